@@ -45,3 +45,9 @@ endif()
 if(PALPATE_WITH_MPI AND NOT PARAVIEW_USE_MPI)
   message(FATAL_ERROR "This ParaView is built without MPI: turn PALPATE_WITH_MPI off.")
 endif()
+
+# Where the plugin lies, in the build tree and in the installation. The library of the filters and
+# the programs that they start lie beside it.
+set(PALPATE_PLUGIN_DIR "${CMAKE_INSTALL_LIBDIR}/${PARAVIEW_PLUGIN_SUBDIR}/Palpate")
+# The same with its full path, for the tests.
+set(PALPATE_PLUGIN_BUILD_DIR "${PROJECT_BINARY_DIR}/${PALPATE_PLUGIN_DIR}")

@@ -5,11 +5,13 @@
     check_includes.py <root of the sources>
 
 Prints one line a violation, `file:line: what`, and ends with 1 if there is any. The rules are the
-tables below: the parts of solvers/ see only those before them, VTK stays in filters/ and plugin/,
-and each outside library in the one place that wraps it. Besides, every folder at the top is known
-and no file holds a path of somebody's machine.
+tables below: the parts of solvers/ and the rooms of filters/ see only those before them, VTK stays
+in filters/ and plugin/, and each outside library in the one place that wraps it. What a folder may
+not see it may not see through a header either. Besides, every folder at the top is known and no
+file holds a path of somebody's machine.
 """
 
+import functools
 import re
 import sys
 from pathlib import Path
@@ -59,8 +61,13 @@ class Unit(NamedTuple):
     folders: set = frozenset()
 
 
+# The parts of solvers/ in order: each may include those before it.
+SOLVER_PARTS = ["base", "threads", "mesh", "materials", "reduced", "elements", "assembly",
+                "interaction", "linear", "iterative", "equilibrium", "dynamics",
+                "state_space", "interpolation", "schedule", "exploration", "reduction", "accuracy"]
+
+
 def solver_units():
-    """The parts of solvers/ in order: each may include those before it."""
     wrapped = {
         "base": {"POSIX", "xxHash"},  # where a program of ours is; the hash of what counts
         "threads": {"OpenMP", "POSIX"},
@@ -70,16 +77,13 @@ def solver_units():
         "schedule": {"MPI"},
         "reduction": {"xxHash"},  # what a model follows from
     }
-    parts = ["base", "threads", "mesh", "materials", "reduced", "elements", "assembly",
-             "interaction", "linear", "iterative", "equilibrium", "dynamics",
-             "state_space", "interpolation", "schedule", "exploration", "reduction", "accuracy"]
     # What a servo loop computes with needs no more than this.
     narrower = {"reduced": {"solvers/base", "solvers/materials"}}
     return {
         f"solvers/{part}": Unit({"std", "Eigen"} | wrapped.get(part, set()),
                                 narrower.get(part, {f"solvers/{earlier}"
-                                                    for earlier in parts[:index]}))
-        for index, part in enumerate(parts)
+                                                    for earlier in SOLVER_PARTS[:index]}))
+        for index, part in enumerate(SOLVER_PARTS)
     }
 
 
@@ -97,13 +101,44 @@ def haptic_units():
     }
 
 
+# The rooms of filters/ in order, each with the last part of solvers/ that it may include. Which of
+# the rooms before it a room includes is said by its vtk.module, from which the build has the
+# folders that a compiler looks in.
+FILTER_ROOMS = {
+    "common": "exploration",  # the progress of a run
+    "surface": "mesh",
+    "segmentation": "base",
+    "meshing": "mesh",
+    "scene": "exploration",  # a scene goes from rank to rank as configurations do
+    "febio": "assembly",
+    "tool": "dynamics",
+    "solving": "exploration",
+    "state_space": "accuracy",
+    "reduction": "reduction",
+    "touching": "exploration",
+}
+
+
+def filter_units():
+    rooms = list(FILTER_ROOMS)
+    wrapped = {"segmentation": {"filters/programs/program"}}  # what palpate-image answers with
+    return {
+        f"filters/{room}": Unit({"std", "POSIX", "VTK"},
+                                {f"filters/{earlier}" for earlier in rooms[:index]}
+                                | {f"solvers/{part}" for part
+                                   in SOLVER_PARTS[:SOLVER_PARTS.index(FILTER_ROOMS[room]) + 1]}
+                                | wrapped.get(room, set()))
+        for index, room in enumerate(rooms)
+    }
+
+
 # The longest folder that matches counts.
-UNITS = solver_units() | haptic_units() | {
-    "filters": Unit({"std", "POSIX", "VTK"}, {"solvers"}),
+UNITS = solver_units() | haptic_units() | filter_units() | {
     # What the programs that a filter starts share.
-    "filters/program": Unit({"std", "POSIX"}),
-    "filters/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"}, {"filters/program"}),
-    "filters/image": Unit({"std", "POSIX", "ITK", "zlib"}, {"filters/program"}),
+    "filters/programs/program": Unit({"std", "POSIX"}),
+    "filters/programs/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"},
+                                    {"filters/programs/program"}),
+    "filters/programs/image": Unit({"std", "POSIX", "ITK", "zlib"}, {"filters/programs/program"}),
     "plugin/Palpate": Unit({"std", "VTK", "ParaView"}, {"filters"}),
     "plugin/PalpateInteractor": Unit({"std", "VTK", "ParaView", "Qt", "X11"},
                                      {"filters", "haptic"}),
@@ -112,6 +147,19 @@ UNITS = solver_units() | haptic_units() | {
                                         "solvers/interpolation"}),
     "tests": Unit({name for name, _ in LIBRARIES}, {"solvers", "haptic", "filters", "plugin"}),
 }
+
+# What a folder sees through headers of others although it may not include it: (folder, what it
+# sees, why). None is to be added: the way out is a header that needs less.
+THROUGH_HEADERS = [
+    ("haptic", "solvers/assembly", "a StateSpace has the Scene that it is of"),
+    ("haptic", "solvers/interaction", "a ToolSpace has the tool as it is stored"),
+    ("plugin", "solvers", "filters and servo take and give the solvers' values"),
+    ("examples", "solvers/assembly", "as haptic"),
+    ("examples", "solvers/interaction", "as haptic"),
+    ("examples", "solvers/materials", "those of the Scene"),
+    ("examples", "solvers/mesh", "that of the Scene, and the trees of a Touchable"),
+    ("examples", "solvers/reduced", "a servo loop steps reduced bodies too"),
+]
 
 SOURCE_SUFFIXES = {".h", ".cpp", ".cxx", ".txx"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
@@ -131,12 +179,86 @@ def library_of(name):
     return next((library for library, form in LIBRARIES if re.fullmatch(form, name)), None)
 
 
-def folder_of_header(root, source, name):
-    """The folder of a header of ours, relative to the root; None when `name` is none of ours."""
-    for start in (root / "solvers", root, root / "tests", root / "filters", source.parent):
+def folder_of(root, path):
+    return path.parent.relative_to(root).as_posix()
+
+
+@functools.lru_cache(maxsize=None)
+def folders_of_bare_names(root):
+    """Where the headers are that VTK's habit includes by their name alone: it is there once."""
+    return [root / "filters" / room for room in FILTER_ROOMS]
+
+
+def header_of(root, source, name):
+    """The path of a header of ours; None when `name` is none of ours."""
+    for start in (root / "solvers", root, root / "tests", root / "filters/programs", source.parent,
+                  *folders_of_bare_names(root)):
         if (start / name).is_file():
-            return (start / name).parent.relative_to(root).as_posix()
+            return start / name
     return None
+
+
+@functools.lru_cache(maxsize=None)
+def headers_of(root, source):
+    """The headers of ours that a file includes, as (line, header)."""
+    return [(number, header) for number, name in includes_of(source)
+            for header in [header_of(root, source, name)] if header]
+
+
+def check_reach(root, source, exceptions, used):
+    """What a file sees through headers although it may not, as (line, what)."""
+    unit = unit_of(folder_of(root, source))
+    if unit is None:
+        return
+    seen = set()
+    told = set()
+    for number, included in headers_of(root, source):
+        waiting = [included]
+        while waiting:
+            header = waiting.pop()
+            for _, further in headers_of(root, header):
+                target = folder_of(root, further)
+                if further in seen:
+                    continue
+                seen.add(further)
+                waiting.append(further)
+                if is_inside(target, unit, *UNITS[unit].folders):
+                    continue
+                excepted = [(place, what) for place, what, _ in exceptions
+                            if is_inside(unit, place) and is_inside(target, what)]
+                used.update(excepted)
+                if not excepted and target not in told:
+                    told.add(target)
+                    yield number, (f"{header.name}: through it {unit} sees {target}, which it may "
+                                   "not include")
+
+
+@functools.lru_cache(maxsize=None)
+def rooms_in(module_file):
+    """The rooms of filters/ that a vtk.module names, by the names of their modules."""
+    words = module_file.read_text(encoding="utf-8").split()
+    return {word for word in words if word.startswith("Palpate::")}
+
+
+def module_of(room):
+    special = {"febio": "FEBio"}
+    return "Palpate::" + special.get(room, room.title().replace("_", ""))
+
+
+def check_modules(root):
+    """Rooms without a vtk.module, and those whose file names one that comes after them."""
+    rooms = list(FILTER_ROOMS)
+    for index, room in enumerate(rooms):
+        if not (root / "filters" / room).is_dir():
+            continue
+        module_file = root / "filters" / room / "vtk.module"
+        if not module_file.is_file():
+            yield f"filters/{room}: no vtk.module"
+            continue
+        for later in rooms[index + 1:]:
+            if module_of(later) in rooms_in(module_file):
+                yield (f"filters/{room}/vtk.module: it names {module_of(later)}, which comes after "
+                       "it")
 
 
 def check_include(root, source, name):
@@ -147,12 +269,18 @@ def check_include(root, source, name):
         return f"{folder} has no rule: give it one in check_includes.py"
     if ".." in Path(name).parts:
         return f"{name}: the name starts at a root, without .."
-    target = folder_of_header(root, source, name)
-    if target is not None:
+    header = header_of(root, source, name)
+    if header is not None:
+        target = folder_of(root, header)
         if is_inside(target, "solvers") and "/" not in name:
             return f"{name}: the name starts with the part of solvers/"
         if not is_inside(target, unit, *UNITS[unit].folders):
             return f"{name}: {unit} may not include {target}"
+        module_file = root / unit / "vtk.module"
+        room = target.removeprefix("filters/")
+        if (module_file.is_file() and target != unit and room in FILTER_ROOMS
+                and module_of(room) not in rooms_in(module_file)):
+            return f"{name}: {unit}/vtk.module does not name {module_of(room)}"
         return None
     if is_inside(unit, "filters", "plugin", "tests") and GENERATED.fullmatch(name):
         return None
@@ -174,7 +302,16 @@ def files_of(root):
             yield entry
 
 
-def check_file(root, path):
+def includes_of(path):
+    """The names that a file includes, as (line, name)."""
+    if path.suffix in SOURCE_SUFFIXES:
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+            include = INCLUDE.match(line)
+            if include:
+                yield number, include.group(1)
+
+
+def check_file(root, path, exceptions, used):
     """The violations of one file, as (line, what)."""
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
@@ -183,25 +320,31 @@ def check_file(root, path):
     for number, line in enumerate(lines, start=1):
         if MACHINE_PATH.search(line):
             yield number, "a path of somebody's machine"
-        include = INCLUDE.match(line) if path.suffix in SOURCE_SUFFIXES else None
-        if include:
-            what = check_include(root, path, include.group(1))
-            if what:
-                yield number, what
+    for number, name in includes_of(path):
+        what = check_include(root, path, name)
+        if what:
+            yield number, what
+    if path.suffix in SOURCE_SUFFIXES:
+        yield from check_reach(root, path, exceptions, used)
 
 
-def check_tree(root):
-    """All violations, a line of text each."""
+def check_tree(root, exceptions=()):
+    """All violations, a line of text each. `exceptions` are as THROUGH_HEADERS."""
+    used = set()
     for entry in sorted(root.iterdir()):
         if entry.is_dir() and entry.name not in TOP_FOLDERS and not IGNORED.fullmatch(entry.name):
             yield f"{entry.name}: an unknown folder at the top"
+    yield from check_modules(root)
     for path in files_of(root):
-        for number, what in check_file(root, path):
+        for number, what in check_file(root, path, exceptions, used):
             yield f"{path.relative_to(root)}:{number}: {what}"
+    for place, what, _ in exceptions:
+        if (place, what) not in used:
+            yield f"{place} no longer sees {what} through a header: delete the exception"
 
 
 def main():
-    violations = list(check_tree(Path(sys.argv[1]).resolve()))
+    violations = list(check_tree(Path(sys.argv[1]).resolve(), THROUGH_HEADERS))
     print("\n".join(violations) or "No violation.")
     return 1 if violations else 0
 

@@ -6,26 +6,37 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from check_includes import check_tree
+from check_includes import check_tree, module_of
 
 # The headers that the cases include.
 HEADERS = [
     "solvers/base/error.h", "solvers/mesh/tet_mesh.h", "solvers/linear/linear_solver.h",
     "solvers/interpolation/interpolation.h", "solvers/state_space/state_space.h",
-    "haptic/profile/report.h", "haptic/servo/servo.h", "filters/vtkPalpateGuard.h",
-    "filters/tetgen/stream.h", "solvers/reduced/reduced_body.h", "solvers/reduction/nnls.h",
-    "haptic/simulating/coupled_tool.h", "filters/program/limit.h",
+    "haptic/profile/report.h", "haptic/servo/servo.h", "filters/common/vtkPalpateGuard.h",
+    "filters/surface/vtkPalpateSurface.h", "filters/scene/vtkPalpateScene.h",
+    "filters/programs/tetgen/stream.h", "solvers/reduced/reduced_body.h",
+    "solvers/reduction/nnls.h", "haptic/simulating/coupled_tool.h",
+    "filters/programs/program/limit.h",
 ]
 
+# The rooms that they name, of those that the cases have files in.
+MODULES = {
+    "common": "", "surface": "Palpate::Common", "segmentation": "", "meshing": "",
+    "scene": "Palpate::Common Palpate::Surface", "febio": "Palpate::Scene",
+}
 
-def violations_of(files):
+
+def violations_of(files, exceptions=()):
+    modules = {f"filters/{room}/vtk.module": f"NAME\n  {module_of(room)}\nDEPENDS\n  {named}\n"
+               for room, named in MODULES.items()}
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder).resolve()
-        for name, text in {**{header: "#pragma once\n" for header in HEADERS}, **files}.items():
+        for name, text in {**{header: "#pragma once\n" for header in HEADERS}, **modules,
+                           **files}.items():
             path = root / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
-        return list(check_tree(root))
+        return list(check_tree(root, exceptions))
 
 
 class AllowedTest(unittest.TestCase):
@@ -41,8 +52,9 @@ class AllowedTest(unittest.TestCase):
         self.check("solvers/linear/a.cpp", "<dmumps_c.h>", "<mpi.h>")
         self.check("solvers/schedule/a.cpp", "<mpi.h>")
         self.check("solvers/state_space/a.cpp", "<sqlite3.h>")
-        self.check("filters/tetgen/main.cpp", "<tetgen.h>", '"stream.h"', '"program/limit.h"')
-        self.check("filters/image/main.cpp", "<itkNrrdImageIO.h>", "<NrrdIO.h>",
+        self.check("filters/programs/tetgen/main.cpp", "<tetgen.h>", '"stream.h"',
+                   '"program/limit.h"')
+        self.check("filters/programs/image/main.cpp", "<itkNrrdImageIO.h>", "<NrrdIO.h>",
                    '"program/limit.h"')
 
     def test_haptic(self):
@@ -55,15 +67,16 @@ class AllowedTest(unittest.TestCase):
         self.check("haptic/servo/a.cpp", '"haptic/simulating/coupled_tool.h"')
 
     def test_filters(self):
-        self.check("filters/a.cxx", '"vtkPalpateGuard.h"', '"mesh/tet_mesh.h"', "<vtkMPI.h>",
-                   '"vtkPolyData.h"', '"PalpateFiltersModule.h"', "<vtkSMPTools.h>", "<spawn.h>")
+        self.check("filters/surface/a.cxx", '"vtkPalpateGuard.h"', '"mesh/tet_mesh.h"',
+                   "<vtkMPI.h>", '"vtkPolyData.h"', '"PalpateSurfaceModule.h"', "<vtkSMPTools.h>",
+                   "<spawn.h>")
 
     def test_examples(self):
         self.check("examples/a/a.cpp", '"haptic/servo/servo.h"',
                    '"state_space/state_space.h"', "<cstdio>")
 
     def test_tests_see_all(self):
-        self.check("tests/filters/a.cpp", '"vtkPalpateGuard.h"', '"base/error.h"',
+        self.check("tests/filters/scene/a.cpp", '"vtkPalpateGuard.h"', '"base/error.h"',
                    "<gtest/gtest.h>")
 
     def test_ignored_folders(self):
@@ -98,7 +111,7 @@ class ForbiddenTest(unittest.TestCase):
 
     def test_solvers_see_no_other_folder(self):
         self.check("solvers/exploration/a.cpp", '"vtkPalpateGuard.h"',
-                   "vtkPalpateGuard.h: solvers/exploration may not include filters")
+                   "vtkPalpateGuard.h: solvers/exploration may not include filters/common")
         self.check("solvers/exploration/a.cpp", '"haptic/profile/report.h"',
                    "haptic/profile/report.h: solvers/exploration may not include haptic/profile")
 
@@ -111,8 +124,8 @@ class ForbiddenTest(unittest.TestCase):
                        f"vtkSMProxy.h: {folder} may not include ParaView")
 
     def test_no_qt_on_the_server(self):
-        self.check("filters/a.cxx", "<QtCore/QString>",
-                   "QtCore/QString: filters may not include Qt")
+        self.check("filters/scene/a.cxx", "<QtCore/QString>",
+                   "QtCore/QString: filters/scene may not include Qt")
 
     def test_libraries_out_of_their_place(self):
         self.check("solvers/equilibrium/a.cpp", "<dmumps_c.h>",
@@ -125,16 +138,34 @@ class ForbiddenTest(unittest.TestCase):
                    "sqlite3.h: solvers/interpolation may not include SQLite")
         self.check("solvers/exploration/a.cpp", "<zlib.h>",
                    "zlib.h: solvers/exploration may not include zlib")
-        self.check("filters/a.cxx", "<tetgen.h>", "tetgen.h: filters may not include TetGen")
+        self.check("filters/meshing/a.cxx", "<tetgen.h>",
+                   "tetgen.h: filters/meshing may not include TetGen")
         self.check("solvers/mesh/a.cpp", "<xxhash.h>",
                    "xxhash.h: solvers/mesh may not include xxHash")
 
     def test_itk_is_in_its_program_alone(self):
-        self.check("filters/a.cxx", "<itkImage.h>", "itkImage.h: filters may not include ITK")
+        self.check("filters/segmentation/a.cxx", "<itkImage.h>",
+                   "itkImage.h: filters/segmentation may not include ITK")
 
     def test_tetgen_program_stands_alone(self):
-        self.check("filters/tetgen/main.cpp", '"base/error.h"',
-                   "base/error.h: filters/tetgen may not include solvers/base")
+        self.check("filters/programs/tetgen/main.cpp", '"base/error.h"',
+                   "base/error.h: filters/programs/tetgen may not include solvers/base")
+
+    def test_rooms_see_only_those_before(self):
+        self.check("filters/surface/a.cxx", '"vtkPalpateScene.h"',
+                   "vtkPalpateScene.h: filters/surface may not include filters/scene")
+
+    def test_rooms_see_only_those_that_their_module_names(self):
+        self.check("filters/febio/a.cxx", '"vtkPalpateSurface.h"',
+                   "vtkPalpateSurface.h: filters/febio/vtk.module does not name Palpate::Surface")
+
+    def test_rooms_see_solvers_as_far_as_they_need(self):
+        self.check("filters/surface/a.cxx", '"linear/linear_solver.h"',
+                   "linear/linear_solver.h: filters/surface may not include solvers/linear")
+
+    def test_filters_are_in_rooms(self):
+        self.check("filters/a.cxx", "<vector>",
+                   "filters has no rule: give it one in check_includes.py")
 
     def test_haptic_does_not_solve(self):
         self.check("haptic/servo/a.cpp", '"linear/linear_solver.h"',
@@ -165,7 +196,44 @@ class ForbiddenTest(unittest.TestCase):
                    "solvers/other has no rule: give it one in check_includes.py")
 
 
+class ThroughHeadersTest(unittest.TestCase):
+    """haptic/servo/a.cpp includes a header that includes one that it may not include itself."""
+
+    FILES = {"haptic/servo/a.cpp": '#include <vector>\n#include "state_space/file.h"\n',
+             "solvers/state_space/file.h": '#include "state_space/scene_of_file.h"\n',
+             "solvers/state_space/scene_of_file.h": '#include "assembly/scene.h"\n',
+             "solvers/assembly/scene.h": "#pragma once\n"}
+    EXCEPTION = ("haptic", "solvers/assembly", "a file has a scene")
+
+    def test_it_is_seen(self):
+        self.assertEqual(violations_of(self.FILES),
+                         ["haptic/servo/a.cpp:2: scene_of_file.h: through it haptic/servo sees "
+                          "solvers/assembly, which it may not include"])
+
+    def test_exception(self):
+        self.assertEqual(violations_of(self.FILES, [self.EXCEPTION]), [])
+
+    def test_exception_of_another_folder(self):
+        self.assertEqual(len(violations_of(self.FILES, [self.EXCEPTION,
+                                                        ("plugin", "solvers/assembly", "")])), 1)
+        self.assertEqual(len(violations_of(self.FILES, [("plugin", "solvers/assembly", "")])), 2)
+
+    def test_exceptions_become_fewer(self):
+        self.assertEqual(violations_of({}, [self.EXCEPTION]),
+                         ["haptic no longer sees solvers/assembly through a header: delete the "
+                          "exception"])
+
+
 class TreeTest(unittest.TestCase):
+    def test_room_without_a_module(self):
+        self.assertEqual(violations_of({"filters/tool/a.cxx": "\n"}),
+                         ["filters/tool: no vtk.module"])
+
+    def test_module_that_names_a_later_room(self):
+        self.assertEqual(violations_of({"filters/surface/vtk.module": "DEPENDS Palpate::Scene\n"}),
+                         ["filters/surface/vtk.module: it names Palpate::Scene, which comes after "
+                          "it"])
+
     def test_unknown_folder(self):
         self.assertEqual(violations_of({"misc/notes.md": "x"}),
                          ["misc: an unknown folder at the top"])

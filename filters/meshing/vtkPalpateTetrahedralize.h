@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkPalpateTetrahedralize
+ * @brief   what the filters that fill something with tetrahedra have in common
+ *
+ * Output port 0: the tetrahedra, positively oriented, with straight edges, in m. Port 1: a surface
+ * that says more, see the filters.
+ */
+#pragma once
+
+#include <string>
+
+#include "PalpateMeshingModule.h"
+#include "vtkSmartPointer.h"
+#include "vtkUnstructuredGridAlgorithm.h"
+
+class vtkMultiProcessController;
+
+class PALPATEMESHING_EXPORT vtkPalpateTetrahedralize : public vtkUnstructuredGridAlgorithm
+{
+public:
+  vtkAbstractTypeMacro(vtkPalpateTetrahedralize, vtkUnstructuredGridAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{ Number of a vtkPalpateUnit: in which the input has its lengths. All lengths and volumes of
+  /// the properties are in m, and so is the body.
+  vtkSetMacro(Unit, int);
+  vtkGetMacro(Unit, int);
+  ///@}
+
+  enum ElementOrders
+  {
+    Linear = 1,   ///< VTK_TETRA
+    Quadratic = 2 ///< VTK_QUADRATIC_TETRA, with points in the middle of straight edges
+  };
+  vtkSetMacro(ElementOrder, int);
+  vtkGetMacro(ElementOrder, int);
+
+  ///@{ Largest ratio of circumscribed radius to shortest edge, ≥ 1; the less, the better shaped.
+  vtkSetMacro(MaximumRadiusEdgeRatio, double);
+  vtkGetMacro(MaximumRadiusEdgeRatio, double);
+  ///@}
+
+  ///@{ TetGen is stopped after this time, s; 0 = never.
+  vtkSetMacro(TimeOut, double);
+  vtkGetMacro(TimeOut, double);
+  ///@}
+
+  ///@{ The ranks; by default those of the global controller, which may be none.
+  virtual void SetController(vtkMultiProcessController* controller);
+  vtkMultiProcessController* GetController() const;
+  ///@}
+
+  ///@{ What the filter will take, by its properties and what its input is now.
+  /// @note Collective.
+  void UpdateEstimate();
+  vtkGetCharFromStdStringMacro(Estimate);
+  ///@}
+
+protected:
+  vtkPalpateTetrahedralize();
+  ~vtkPalpateTetrahedralize() override;
+
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+
+  /// More of them are a slip of a unit, not a wish.
+  static constexpr double MostTetrahedra = 2e7;
+
+  /// The user wants no result any more.
+  struct Aborted
+  {
+  };
+
+  /// What UpdateEstimate() says, on every rank.
+  virtual std::string MakeEstimate() = 0;
+  /// @throws palpate::InputError a property out of its range, by name.
+  virtual void Validate() const;
+  /// @throws palpate::InputError "<name> is <value>, but must be <range>."
+  static void Require(bool holds, const std::string& name, double value, const char* range);
+  /// @throws Aborted
+  void Progress(double fraction);
+
+  int Unit = 0;
+  int ElementOrder = Linear;
+  double MaximumRadiusEdgeRatio = 1.414;
+  double TimeOut = 600;
+  vtkSmartPointer<vtkMultiProcessController> Controller;
+  std::string Estimate;
+
+private:
+  vtkPalpateTetrahedralize(const vtkPalpateTetrahedralize&) = delete;
+  void operator=(const vtkPalpateTetrahedralize&) = delete;
+};

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One triangulation of the walls that two surfaces share, where each of them has its own.
+//
+// Surfaces are taken one after the other. Each has the outline of its contact with those before it
+// drawn into these, and theirs into it; what then lies on them is replaced by their triangles. So
+// the surface that comes first keeps its shape, and the others move by no more than the tolerance.
+// Only the outline of the contact gets new points: the wall itself is no finer than it was.
+#pragma once
+
+#include <vector>
+
+#include "PalpateMeshingModule.h"
+#include "vtkPalpateSurface.h"
+
+/// The surface that each triangle belongs to, numbered by their first triangles: those of one
+/// tissue are one surface, or where nobody says those that hang together in the input.
+PALPATEMESHING_EXPORT std::vector<int> vtkPalpateSeparateSurfaces(
+  const vtkPalpateSurface& surfaces);
+
+struct vtkPalpateMatchedWalls
+{
+  /// A wall of two of them is there twice, with the same triangles. Its parts are the surfaces.
+  vtkPalpateSurface Surfaces;
+  vtkIdType Replaced = 0;     ///< triangles
+  double Moved = 0;           ///< how far the wall of one lay from that of the other at most, m
+  vtkPalpatePoint Place = {}; ///< of one of the triangles that were replaced, m
+  /// The surfaces are as they were, since the walls would have had to be cut too finely.
+  bool IsGivenUp = false;
+};
+
+/// @param surfaces Those of one tissue are one surface; where nobody says, those that hang
+/// together.
+/// @param tolerance How far from each other two walls may lie that are one, m.
+PALPATEMESHING_EXPORT vtkPalpateMatchedWalls vtkPalpateMatchWalls(
+  const vtkPalpateSurface& surfaces, double tolerance);

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The materials of a body's cells as cell arrays:
+//
+//   `Law`            number of a palpate::Law; -1 where a cell has no material yet
+//   the parameters   by palpate::parameter_names: `YoungsModulus`, `PoissonsRatio`, `C10`, …; only
+//                    those that some law of the body has; 0 where a cell has no use for one
+//   `Formulation`    number of a palpate::Formulation; only where some cell has another one than
+//                    suits its parameters
+//
+// and what they are besides elastic, only where some cell has it:
+//
+//   `Density`          kg/m³
+//   `ViscousTime`      s
+//   `PronyModulus1`, `PronyTime1`, … to 4   without unit, and s; both 0 where a cell has no such
+//                      term
+//
+// see palpate::Rheology.
+#pragma once
+
+#include <vector>
+
+#include "PalpateSceneModule.h"
+#include "base/types.h"
+#include "materials/material.h"
+#include "materials/rheology.h"
+
+class vtkUnstructuredGrid;
+
+namespace vtkPalpateArray
+{
+inline constexpr const char* Law = "Law";
+inline constexpr const char* Formulation = "Formulation";
+}
+
+struct vtkPalpateMaterials
+{
+  static constexpr palpate::Index None = -1;
+
+  /// The different ones that occur.
+  std::vector<palpate::Material> Each;
+  /// Index into Each, or None [number of cells].
+  std::vector<palpate::Index> OfCell;
+};
+
+/// The materials of the cells that are `wanted` [number of cells]; the others count as without.
+/// @throws palpate::InputError the first cell whose arrays make no material, and why.
+PALPATESCENE_EXPORT vtkPalpateMaterials vtkPalpateReadMaterials(
+  vtkUnstructuredGrid* body, const std::vector<char>& wanted);
+
+/// Adds or replaces the arrays above, and removes those that are not needed.
+PALPATESCENE_EXPORT void vtkPalpateWriteMaterials(
+  const vtkPalpateMaterials& materials, vtkUnstructuredGrid* body);
+
+/// The cells that are `wanted` get a rheology [number of cells], and the others keep theirs; an
+/// array that is 0 throughout then is removed.
+PALPATESCENE_EXPORT void vtkPalpateAssignRheology(
+  const palpate::Rheology& rheology, const std::vector<char>& wanted, vtkUnstructuredGrid* body);
+
+/// Adds the arrays of the rheologies, but those that are 0 throughout.
+/// @param rheologyOfCell Index into `rheologies` [number of cells].
+PALPATESCENE_EXPORT void vtkPalpateWriteRheologies(const std::vector<palpate::Rheology>& rheologies,
+  const std::vector<palpate::Index>& rheologyOfCell, vtkUnstructuredGrid* body);
+
+/// The rheology of each material, 0 where there are no arrays. A material whose cells differ in it
+/// becomes several.
+/// @throws palpate::InputError the first cell whose arrays make no rheology, and why.
+PALPATESCENE_EXPORT std::vector<palpate::Rheology> vtkPalpateReadRheologies(
+  vtkUnstructuredGrid* body, vtkPalpateMaterials& materials);

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A scene as VTK's data: an unstructured grid of VTK_TETRA or of VTK_QUADRATIC_TETRA whose arrays
+// say everything, so that stock filters, readers and writers can make, change and store it.
+//
+//   cell arrays of the material   `Law`, its parameters and `Formulation`: vtkPalpateMaterials.h
+//   point array `Fixed`           not 0 where the point is held
+//   point array `Touchable`       not 0 where the body may be touched; where there is no such
+//                                 array: corners on the surface, not fixed nor held
+//   point arrays `HeldDirection`, `HeldDirection2` (3 components)
+//                                 a direction along which the point is held; 0: none
+//   point array `SupportStiffness`  of springs that hold the surface, N/m³
+//   point array `AppliedPressure`   Pa, follows the surface
+//   point array `AppliedTraction`   Pa (3 components), on the area at rest
+//   cell arrays of the rheology   `Density`, …: vtkPalpateMaterials.h; for motion and weight alone
+//
+// Ids of points and cells are the same in the grid and in the scene.
+#pragma once
+
+#include <vector>
+
+#include "PalpateSceneModule.h"
+#include "assembly/scene.h"
+#include "vtkSmartPointer.h"
+
+class vtkDoubleArray;
+class vtkUnstructuredGrid;
+
+namespace palpate
+{
+struct Rheology;
+}
+
+namespace vtkPalpateArray
+{
+inline constexpr const char* Fixed = "Fixed";
+inline constexpr const char* Touchable = "Touchable";
+inline constexpr const char* BoundaryKind = "BoundaryKind";
+inline constexpr const char* HeldDirection = "HeldDirection";
+inline constexpr const char* HeldDirection2 = "HeldDirection2";
+inline constexpr const char* SupportStiffness = "SupportStiffness";
+inline constexpr const char* AppliedPressure = "AppliedPressure";
+inline constexpr const char* AppliedTraction = "AppliedTraction";
+inline constexpr const char* Displacement = "Displacement";
+inline constexpr const char* ContactPressure = "ContactPressure";
+}
+
+/// @throws palpate::InputError no cells, or cells that are not all VTK_TETRA or all
+/// VTK_QUADRATIC_TETRA: it names the first one.
+PALPATESCENE_EXPORT palpate::ElementOrder vtkPalpateElementOrder(vtkUnstructuredGrid* grid);
+
+/// Points and cells as they are: palpate::check_and_orient looks at the geometry.
+/// @throws palpate::InputError as vtkPalpateElementOrder.
+PALPATESCENE_EXPORT palpate::TetMesh vtkPalpateMeshFromGrid(vtkUnstructuredGrid* grid);
+
+/// The arrays that the grid has of what holds the body besides fixed points and of what loads its
+/// surface, as they are.
+/// @throws palpate::InputError one that has another number of components, or is no point array.
+PALPATESCENE_EXPORT void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene);
+
+/// Writes them, those that the scene has.
+PALPATESCENE_EXPORT void vtkPalpateWriteBoundary(
+  const palpate::Scene& scene, vtkUnstructuredGrid* grid);
+
+/// 1 for each point that is fixed or held along a direction [num_points]: a bonded tool cannot move
+/// it.
+PALPATESCENE_EXPORT std::vector<char> vtkPalpateHeldPoints(const palpate::Scene& scene);
+
+/// The corners on the surface that are not fixed [num_points]. Midside nodes are left out: what is
+/// touched is the surface that is displayed, whose vertices are the corners.
+PALPATESCENE_EXPORT std::vector<char> vtkPalpateTouchableSurface(
+  const palpate::TetMesh& mesh, const std::vector<char>& fixed);
+
+/// The scene, checked.
+/// @throws palpate::InputError what is wrong, where, and which filter mends it.
+PALPATESCENE_EXPORT palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid* grid);
+
+/// The scene, checked, and the rheology of each of its materials. Its equilibria are those of the
+/// scene above, but cells that differ in their rheology have materials of their own.
+/// @throws palpate::InputError the same, and a cell whose arrays make no rheology.
+PALPATESCENE_EXPORT palpate::Scene vtkPalpateSceneFromGrid(
+  vtkUnstructuredGrid* grid, std::vector<palpate::Rheology>& rheologies);
+
+/// The scene under a body force, m/s², checked; zero: the first of these scenes.
+/// @throws palpate::InputError the same, and a body without density.
+PALPATESCENE_EXPORT palpate::Scene vtkPalpateSceneFromGrid(
+  vtkUnstructuredGrid* grid, const palpate::Vec3& bodyForce);
+
+/// The scene of the block Body of a state space: with the body force and the rest that
+/// vtkPalpateGridFromScene has written, if any.
+/// @throws palpate::InputError the same.
+PALPATESCENE_EXPORT palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid);
+
+/// The grid with its materials, `Fixed`, `Touchable`, and what else holds and loads it. Under a
+/// load it has the point array `RestDisplacement` (m), and under a body force the field array
+/// `BodyForce` (m/s²) and the cell array `Density` (kg/m³).
+PALPATESCENE_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(
+  const palpate::Scene& scene);
+
+/// Adds a point array of 0 and 1.
+PALPATESCENE_EXPORT void vtkPalpateAddChoice(
+  vtkUnstructuredGrid* grid, const char* name, const std::vector<char>& chosen);
+
+/// Adds the point array `BoundaryKind`, to be seen: 0 free, 1 touchable, 2 fixed, 3 held along a
+/// direction or by springs, 4 under a pressure or a traction. Of a point with several it is the
+/// first of fixed, held, loaded, touchable. Their names are in plugin/Palpate/PalpateLooks.cxx.
+PALPATESCENE_EXPORT void vtkPalpateAddBoundaryKinds(
+  const palpate::Scene& scene, vtkUnstructuredGrid* grid);
+
+/// A point array with three components.
+PALPATESCENE_EXPORT vtkSmartPointer<vtkDoubleArray> vtkPalpateNodalArray(
+  const char* name, const palpate::NodalVector& values);

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpateSetBoundary
+ * @brief says where a body is held, what loads it, and where it may be touched
+ *
+ * Adds the point arrays `Fixed` and `Touchable` (1 or 0) to the body. Fixed are the points that are
+ * chosen, midside nodes too. Touchable are those of the chosen points that are corners on the
+ * surface and not fixed.
+ *
+ * By `Support` the chosen points are held along a direction or by springs instead, and by `Load`
+ * the surface bears a pressure or a traction: in the point arrays of vtkPalpateScene.h. What the
+ * input has of these stays, and `Fixed` too where the points are not fixed.
+ *
+ * Of a body in several pieces it tells which of them touch without sharing points, so that nothing
+ * joins them. Those points are merged where that is asked for; then the field array `MergedPoints`
+ * says how many were taken away, and points have other ids than in the input.
+ *
+ * Input ports 1, 2 and 3 are the selections of held, of touchable and of loaded points, all
+ * optional. Of selected cells all points are chosen.
+ */
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "PalpateSceneModule.h"
+#include "vtkSmartPointer.h"
+#include "vtkUnstructuredGridAlgorithm.h"
+
+class vtkImplicitFunction;
+class vtkSelection;
+
+namespace palpate
+{
+struct Scene;
+}
+
+class PALPATESCENE_EXPORT vtkPalpateSetBoundary : public vtkUnstructuredGridAlgorithm
+{
+public:
+  static vtkPalpateSetBoundary* New();
+  vtkTypeMacro(vtkPalpateSetBoundary, vtkUnstructuredGridAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// What chooses the points.
+  enum Chooser
+  {
+    REGION = 0,    ///< where an implicit function is not positive
+    ARRAY = 1,     ///< where a point array is not 0
+    SELECTION = 2, ///< a selection
+    SURFACE = 3,   ///< the whole surface; not for held points
+    CAVITIES = 4   ///< the surfaces of closed cavities; loaded points alone
+  };
+
+  /// What holds the points that `FixedBy` chooses.
+  enum Holder
+  {
+    FIXED = 0,     ///< u = 0
+    DIRECTION = 1, ///< u is 0 along `HeldDirection`
+    NORMAL = 2,    ///< u is 0 along the surface's normal
+    SPRINGS = 3,   ///< springs of `SupportStiffness`
+    NOTHING = 4    ///< nothing is chosen
+  };
+
+  /// What loads the points that `LoadBy` chooses.
+  enum Loader
+  {
+    NO_LOAD = 0,
+    PRESSURE = 1,
+    TRACTION = 2
+  };
+
+  ///@{
+  /// A Chooser.
+  vtkSetMacro(FixedBy, int);
+  vtkGetMacro(FixedBy, int);
+  vtkSetMacro(TouchableBy, int);
+  vtkGetMacro(TouchableBy, int);
+  ///@}
+  ///@{
+  /// A Holder, and the direction, of any length but 0, and the stiffness, N/m³, that it needs.
+  vtkSetMacro(Support, int);
+  vtkGetMacro(Support, int);
+  vtkSetVector3Macro(HeldDirection, double);
+  vtkGetVector3Macro(HeldDirection, double);
+  vtkSetMacro(SupportStiffness, double);
+  vtkGetMacro(SupportStiffness, double);
+  ///@}
+  ///@{
+  /// A Loader, a Chooser of whole faces, and the pressure or the traction, Pa.
+  vtkSetMacro(Load, int);
+  vtkGetMacro(Load, int);
+  vtkSetMacro(LoadBy, int);
+  vtkGetMacro(LoadBy, int);
+  vtkSetMacro(AppliedPressure, double);
+  vtkGetMacro(AppliedPressure, double);
+  vtkSetVector3Macro(AppliedTraction, double);
+  vtkGetVector3Macro(AppliedTraction, double);
+  ///@}
+  ///@{
+  /// The points where the function is not positive: those within a box, sphere or cylinder, those
+  /// on the side of a plane that its normal points away from.
+  void SetFixedRegion(vtkImplicitFunction* region);
+  void SetTouchableRegion(vtkImplicitFunction* region);
+  void SetLoadRegion(vtkImplicitFunction* region);
+  ///@}
+  ///@{
+  /// Name of a point array with one component; "None" or empty for none.
+  vtkSetStdStringFromCharMacro(FixedArray);
+  vtkGetCharFromStdStringMacro(FixedArray);
+  vtkSetStdStringFromCharMacro(TouchableArray);
+  vtkGetCharFromStdStringMacro(TouchableArray);
+  vtkSetStdStringFromCharMacro(LoadArray);
+  vtkGetCharFromStdStringMacro(LoadArray);
+  ///@}
+  ///@{
+  /// Whether points of different pieces of the body that coincide become one.
+  vtkSetMacro(Merge, bool);
+  vtkGetMacro(Merge, bool);
+  vtkBooleanMacro(Merge, bool);
+  ///@}
+  ///@{
+  /// A vtkSelection of points or cells of the body.
+  void SetFixedSelectionConnection(vtkAlgorithmOutput* selection);
+  void SetTouchableSelectionConnection(vtkAlgorithmOutput* selection);
+  void SetLoadSelectionConnection(vtkAlgorithmOutput* selection);
+  ///@}
+
+  vtkMTimeType GetMTime() override;
+
+protected:
+  vtkPalpateSetBoundary();
+  ~vtkPalpateSetBoundary() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPalpateSetBoundary(const vtkPalpateSetBoundary&) = delete;
+  void operator=(const vtkPalpateSetBoundary&) = delete;
+
+  void SetRegion(vtkSmartPointer<vtkImplicitFunction>& region, vtkImplicitFunction* to);
+  /// The mesh, and what of the input stays of what holds and loads it.
+  palpate::Scene SceneBefore(vtkUnstructuredGrid* body) const;
+  /// Holds the chosen points of a scene that has its mesh and what its grid has.
+  void Hold(const std::vector<char>& chosen, palpate::Scene& scene) const;
+  /// Loads it. @returns the area that bears such a load, m².
+  double LoadFaces(const std::vector<char>& chosen, palpate::Scene& scene) const;
+
+  int Support = FIXED;
+  double HeldDirection[3] = { 0, 0, 1 };
+  double SupportStiffness = 1e5;
+  int Load = NO_LOAD;
+  int LoadBy = REGION;
+  double AppliedPressure = 1000;
+  double AppliedTraction[3] = { 0, 0, -100 };
+  vtkSmartPointer<vtkImplicitFunction> LoadRegion;
+  std::string LoadArray = "None";
+  int FixedBy = REGION;
+  int TouchableBy = SURFACE;
+  vtkSmartPointer<vtkImplicitFunction> FixedRegion;
+  vtkSmartPointer<vtkImplicitFunction> TouchableRegion;
+  std::string FixedArray = "None";
+  std::string TouchableArray = "None";
+  bool Merge = false;
+};

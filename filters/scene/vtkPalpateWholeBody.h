@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Under MPI each rank has a piece of the data, and a reader may give all cells to one of them. The
+// filters of ours work on the whole body: on rank 0, or on every rank.
+#pragma once
+
+#include <vector>
+
+#include "PalpateSceneModule.h"
+#include "base/types.h"
+#include "vtkPalpatePieces.h"
+#include "vtkSmartPointer.h"
+
+class vtkMultiProcessController;
+class vtkUnstructuredGrid;
+
+namespace palpate
+{
+class Communicator;
+struct Rheology;
+struct Scene;
+}
+
+/// The body on rank 0, null on the others. Where several pieces have cells, they are joined by
+/// their global point ids, in whose order the points of the body then are.
+/// @param own What this rank has of it.
+/// @param controller The ranks; null: one.
+/// @note Collective.
+/// @throws palpate::InputError on rank 0, where several pieces have cells but no global ids.
+PALPATESCENE_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
+  const vtkPalpatePieces& own, vtkMultiProcessController* controller);
+PALPATESCENE_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
+  vtkUnstructuredGrid* piece, vtkMultiProcessController* controller);
+
+/// The scene of rank 0, on every rank: vtkPalpateSceneFromGrid of `body`, which only rank 0 has.
+/// @note Collective.
+/// @throws palpate::InputError and palpate::MemoryError on every rank, with the same message.
+PALPATESCENE_EXPORT palpate::Scene vtkPalpateShareScene(
+  vtkUnstructuredGrid* body, palpate::Communicator& communicator);
+/// The same under a body force, m/s².
+PALPATESCENE_EXPORT palpate::Scene vtkPalpateShareScene(
+  vtkUnstructuredGrid* body, palpate::Communicator& communicator, const palpate::Vec3& bodyForce);
+/// vtkPalpateSceneOfSpace, in the same way.
+PALPATESCENE_EXPORT palpate::Scene vtkPalpateShareSceneOfSpace(
+  vtkUnstructuredGrid* body, palpate::Communicator& communicator);
+/// The same with the rheology of each of its materials.
+PALPATESCENE_EXPORT palpate::Scene vtkPalpateShareScene(vtkUnstructuredGrid* body,
+  palpate::Communicator& communicator, std::vector<palpate::Rheology>& rheologies);

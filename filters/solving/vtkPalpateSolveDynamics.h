@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpateSolveDynamics
+ * @brief the motion of a body in time, with inertia and viscosity, as tools move it along given
+ * paths
+ *
+ * Inputs: a body with material, density and boundary (see vtkPalpateScene.h); the paths of the
+ * tools, a table (vtkPalpateToolPath.h); the surface of a tool, where it is one. The tools are the
+ * active nodes, in their order, and then rigid ones of one shape, as many as the table has columns
+ * for. The coordinates of a node are its displacement, those of a rigid tool the place of its
+ * centre.
+ *
+ * First output: the body at the time that is asked for, s, with the point array `Displacement` (m),
+ * with rigid tools also `ContactPressure` (Pa), and the field arrays
+ *
+ *   `Time`            s
+ *   `ReactionForce`   force that holds each tool, N; a tuple a tool
+ *   `ContactLayerForce`   only with rigid tools: what of the force of each is the error of the
+ * layer in which it presses, N, by Hertz's stiffness (solvers/interaction/hertz_stiffness.h)
+ *   `ContactMeshError`   only with rigid tools: by which share the force of each is expected to be
+ * too large because of the size of the cells, see solvers/interaction/mesh_error.h
+ *   `Outcome`, `Message`   how the run has ended, see solvers/base/outcome.h
+ *
+ * Second output: a table of all steps,
+ *
+ *   `Time`, `StepLength` (s), `KineticEnergy`, `ElasticEnergy`, `WeightEnergy`, `ViscousEnergy`,
+ *   `Dissipated`, `Work` (J, see palpate::EnergyAccount), `Position0`, … (m) and `Force0`, … (N) of
+ *   each tool, `MinimumDetF`, `LocalError` (m), `Residual`, `Iterations`, `Halvings`, `Flags`,
+ *   `Outcome`
+ *
+ * The run is made once, when the first time is asked for; its frames are kept in a file
+ * (vtkPalpateFrames.h). One that does not come to its end is a result, not an error: Outcome is not
+ * 0, and the body stays as it was last. The whole result is on rank 0.
+ */
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "PalpateSolvingModule.h"
+#include "vtkSmartPointer.h"
+#include "vtkUnstructuredGridAlgorithm.h"
+
+class vtkPolyData;
+class vtkStringArray;
+class vtkTable;
+template <class Run>
+class vtkPalpateKeptRun;
+
+namespace palpate
+{
+class Communicator;
+class LinearSolver;
+struct DynamicState;
+}
+
+class PALPATESOLVING_EXPORT vtkPalpateSolveDynamics : public vtkUnstructuredGridAlgorithm
+{
+public:
+  static vtkPalpateSolveDynamics* New();
+  vtkTypeMacro(vtkPalpateSolveDynamics, vtkUnstructuredGridAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /// Ids of the points of the input that tools are bonded to: on the surface and not fixed.
+  void AddActiveNode(vtkIdType node);
+  void ClearActiveNodes();
+  ///@}
+  ///@{
+  /// The points of the connected patch of the surface within this distance of an active node move
+  /// with it, m; 0: the node alone.
+  vtkSetMacro(TipRadius, double);
+  vtkGetMacro(TipRadius, double);
+  ///@}
+  ///@{
+  /// The rigid tools: 0 none, 1 spheres, 2 capsules, 3 surfaces.
+  vtkSetMacro(Tool, int);
+  vtkGetMacro(Tool, int);
+  ///@}
+  ///@{
+  /// Of a sphere or capsule, m; more than 0.
+  vtkSetMacro(ToolRadius, double);
+  vtkGetMacro(ToolRadius, double);
+  ///@}
+  ///@{
+  /// Along a capsule, of any length but 0.
+  vtkSetVector3Macro(ToolAxis, double);
+  vtkGetVector3Macro(ToolAxis, double);
+  ///@}
+  ///@{
+  /// Of the straight part of a capsule, m.
+  vtkSetMacro(ToolLength, double);
+  vtkGetMacro(ToolLength, double);
+  ///@}
+  ///@{
+  /// As those of vtkPalpateSolveEquilibrium.
+  vtkSetMacro(ContactThickness, double);
+  vtkGetMacro(ContactThickness, double);
+  vtkSetMacro(ContactStiffness, double);
+  vtkGetMacro(ContactStiffness, double);
+  ///@}
+  ///@{
+  /// The field of gravity, m/s^2.
+  vtkSetVector3Macro(BodyForce, double);
+  vtkGetVector3Macro(BodyForce, double);
+  ///@}
+  ///@{
+  /// Whether the motion begins in the equilibrium under gravity, else undeformed.
+  vtkSetMacro(Settled, bool);
+  vtkGetMacro(Settled, bool);
+  vtkBooleanMacro(Settled, bool);
+  ///@}
+  ///@{
+  /// The motion goes from 0 to this time, s; above 0.
+  vtkSetMacro(EndTime, double);
+  vtkGetMacro(EndTime, double);
+  ///@}
+  ///@{
+  /// Time steps of the output in a second, above 0.
+  vtkSetMacro(FrameRate, double);
+  vtkGetMacro(FrameRate, double);
+  ///@}
+  ///@{
+  /// Number of a palpate::TimeIntegrator: 0 BDF2, 1 generalised alpha.
+  vtkSetMacro(Integrator, int);
+  vtkGetMacro(Integrator, int);
+  ///@}
+  ///@{
+  /// Of the generalised alpha method, 0 to 1.
+  vtkSetMacro(SpectralRadius, double);
+  vtkGetMacro(SpectralRadius, double);
+  ///@}
+  ///@{
+  /// The length of a step, with a tolerance the longest, s.
+  vtkSetMacro(TimeStep, double);
+  vtkGetMacro(TimeStep, double);
+  ///@}
+  ///@{
+  /// See palpate::DynamicsOptions::tolerance; 0: all steps are of one length.
+  vtkSetMacro(StepTolerance, double);
+  vtkGetMacro(StepTolerance, double);
+  ///@}
+  ///@{
+  /// A step may be halved this often, 0 to 30.
+  vtkSetMacro(MaximumHalvings, int);
+  vtkGetMacro(MaximumHalvings, int);
+  ///@}
+  ///@{
+  /// Largest residual of a step, see palpate::EquilibriumOptions::tolerance (between 0 and 1).
+  vtkSetMacro(Tolerance, double);
+  vtkGetMacro(Tolerance, double);
+  ///@}
+  ///@{
+  /// Iterations of one step, at least 1.
+  vtkSetMacro(MaximumIterations, int);
+  vtkGetMacro(MaximumIterations, int);
+  ///@}
+  ///@{
+  /// Time for the run, s; 0 is no bound.
+  vtkSetMacro(MaximumSeconds, double);
+  vtkGetMacro(MaximumSeconds, double);
+  ///@}
+  ///@{
+  /// Threads of a rank that solve for a large body without a factor, to 1024; 0: as many as there
+  /// are cores for it.
+  vtkSetMacro(Threads, int);
+  vtkGetMacro(Threads, int);
+  ///@}
+  ///@{
+  /// A body with at least as many unknowns is solved by all ranks together.
+  vtkSetMacro(GroupUnknowns, int);
+  vtkGetMacro(GroupUnknowns, int);
+  ///@}
+  ///@{
+  /// One of GetLinearSolverNames().
+  vtkSetStdStringFromCharMacro(LinearSolver);
+  vtkGetCharFromStdStringMacro(LinearSolver);
+  ///@}
+  /// "Automatic", and the solvers that were built in.
+  vtkStringArray* GetLinearSolverNames();
+
+protected:
+  vtkPalpateSolveDynamics();
+  ~vtkPalpateSolveDynamics() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPalpateSolveDynamics(const vtkPalpateSolveDynamics&) = delete;
+  void operator=(const vtkPalpateSolveDynamics&) = delete;
+
+  enum OutputPort
+  {
+    MotionPort,
+    HistoryPort,
+    NumberOfOutputs
+  };
+
+  /// What is simulated, on rank 0.
+  struct Setup;
+  /// What came of it.
+  struct Run;
+
+  /// The times of the frames, s; none where EndTime and FrameRate make none.
+  std::vector<double> FrameTimes() const;
+  void CheckProperties() const;
+  Setup MakeSetup(vtkUnstructuredGrid* body, vtkTable* paths, vtkPolyData* surface);
+  /// @note Collective
+  std::unique_ptr<Run> Compute(vtkInformationVector** inputs, palpate::Communicator& communicator,
+    vtkUnstructuredGrid* output);
+  void Simulate(
+    const Setup& setup, std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, Run& run);
+  void Show(const Run& run, double time, vtkUnstructuredGrid* output, vtkTable* history) const;
+
+  std::vector<vtkIdType> ActiveNodes;
+  double TipRadius = 0;
+  int Tool = 0;
+  double ToolRadius = 0.01;
+  double ToolAxis[3] = { 1, 0, 0 };
+  double ToolLength = 0.03;
+  double ContactThickness = 0;
+  double ContactStiffness = 0;
+  double BodyForce[3] = { 0, 0, 0 };
+  bool Settled = true;
+  double EndTime = 1;
+  double FrameRate = 50;
+  int Integrator = 0;
+  double SpectralRadius = 0.8;
+  double TimeStep = 0.002;
+  double StepTolerance = 0;
+  int MaximumHalvings = 10;
+  double Tolerance = 1e-8;
+  int MaximumIterations = 60;
+  double MaximumSeconds = 0;
+  int Threads = 0;
+  int GroupUnknowns = 30000;
+  std::string LinearSolver = "Automatic";
+  vtkSmartPointer<vtkStringArray> LinearSolverNames;
+
+  std::unique_ptr<vtkPalpateKeptRun<Run>> LastRun;
+};

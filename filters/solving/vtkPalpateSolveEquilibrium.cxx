@@ -1,0 +1,488 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateSolveEquilibrium.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "assembly/piece_support.h"
+#include "assembly/supports.h"
+#include "base/error.h"
+#include "base/memory_error.h"
+#include "equilibrium/equilibrium.h"
+#include "equilibrium/solve_cost.h"
+#include "equilibrium/tangent_solver.h"
+#include "interaction/bonded_patch.h"
+#include "interaction/held_points.h"
+#include "interaction/mesh_error.h"
+#include "interaction/tool_clearance.h"
+#include "linear/group.h"
+#include "vtkCellData.h"
+#include "vtkDoubleArray.h"
+#include "vtkInformation.h"
+#include "vtkMultiProcessController.h"
+#include "vtkObjectFactory.h"
+#include "vtkPalpateActiveNodes.h"
+#include "vtkPalpateCommunicator.h"
+#include "vtkPalpateEstimate.h"
+#include "vtkPalpateFailure.h"
+#include "vtkPalpateFields.h"
+#include "vtkPalpateGuard.h"
+#include "vtkPalpateInput.h"
+#include "vtkPalpateLinearSolver.h"
+#include "vtkPalpateRigidTool.h"
+#include "vtkPalpateScene.h"
+#include "vtkPalpateSceneToEstimate.h"
+#include "vtkPalpateStress.h"
+#include "vtkPalpateWholeBody.h"
+#include "vtkPalpateWholeSurface.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+#include "vtkStringArray.h"
+#include "vtkUnstructuredGrid.h"
+
+namespace
+{
+/// How many iterations go by until the progress bar is half full. How many there will be is not
+/// known; a solve of a moderate displacement has about ten.
+constexpr double IterationsAtHalf = 10;
+/// A rigid tool comes from where it touches nothing: in so many steps as a rule.
+constexpr double StepsOfContact = 3;
+/// A factor of more takes too long to be made without being asked for.
+constexpr long MostUnknownsTriedAgain = 150000;
+
+void AddResult(vtkUnstructuredGrid* output, const palpate::Equilibrium& state)
+{
+  output->GetPointData()->AddArray(vtkPalpateNodalArray(vtkPalpateArray::Displacement, state.u));
+  output->GetPointData()->SetActiveVectors(vtkPalpateArray::Displacement);
+  output->GetPointData()->SetActiveScalars(vtkPalpateArray::Displacement);
+
+  vtkPalpateAddField<vtkDoubleArray>(output, "ReactionForce", 3, state.reaction);
+  vtkPalpateAddField<vtkDoubleArray>(
+    output, "HapticStiffness", static_cast<int>(state.stiffness.size()), state.stiffness);
+  vtkPalpateAddNumber(output, "Energy", state.energy);
+  vtkPalpateAddInteger(output, "Outcome", static_cast<int>(state.outcome));
+  vtkPalpateAddInteger(output, "Flags", state.flags);
+  vtkPalpateAddText(output, "Message", state.message);
+  vtkPalpateAddInteger(output, "Iterations", state.iterations);
+  vtkPalpateAddInteger(output, "Steps", state.steps);
+  vtkPalpateAddNumber(output, "Seconds", state.seconds);
+  vtkPalpateAddNumber(output, "Residual", state.residual);
+  vtkPalpateAddNumber(output, "DisplacementError", state.displacement_error);
+  vtkPalpateAddNumber(output, "MinimumDetF", state.minimum_det_f);
+  vtkPalpateAddInteger(output, "NegativePivots", state.negative_pivots);
+  if (!std::isnan(state.lowest_eigenvalue))
+  {
+    vtkPalpateAddNumber(output, "LowestEigenvalue", state.lowest_eigenvalue);
+  }
+}
+
+void AddFolds(vtkDataObject* output, const std::vector<palpate::Fold>& folds)
+{
+  constexpr double Nothing = std::numeric_limits<double>::quiet_NaN();
+  vtkNew<vtkDoubleArray> array;
+  array->SetName("Folds");
+  array->SetNumberOfComponents(5);
+  int component = 0;
+  for (const char* name : { "Way", "EnergyBefore", "EnergyAfter", "ForceBefore", "ForceAfter" })
+  {
+    array->SetComponentName(component++, name);
+  }
+  for (const palpate::Fold& fold : folds)
+  {
+    const double row[] = { fold.way, fold.energy, fold.lands ? fold.landing_energy : Nothing,
+      fold.reaction.norm(), fold.lands ? fold.landing_reaction.norm() : Nothing };
+    array->InsertNextTuple(row);
+  }
+  output->GetFieldData()->AddArray(array);
+}
+
+void AddCells(vtkUnstructuredGrid* output, const char* name, const std::vector<double>& values)
+{
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(name);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()));
+  std::copy(values.begin(), values.end(), array->GetPointer(0));
+  output->GetCellData()->AddArray(array);
+}
+
+/// Solves for the equal parts of the way from where a tool starts to t, one after the other, as far
+/// as they converge.
+palpate::Equilibrium Follow(palpate::EquilibriumSolver& solver, const Eigen::VectorXd& start,
+  const Eigen::VectorXd& t, int increments)
+{
+  palpate::Equilibrium state = solver.rest(start);
+  for (int increment = 0; increment < increments && state.outcome == palpate::Outcome::converged;
+       ++increment)
+  {
+    palpate::Equilibrium next = solver.solve(increment + 1 == increments
+        ? t
+        : Eigen::VectorXd(start + (t - start) * (increment + 1) / increments),
+      state);
+    next.iterations += state.iterations;
+    next.steps += state.steps;
+    next.seconds += state.seconds;
+    for (palpate::Fold& fold : next.folds)
+    {
+      fold.way = (increment + fold.way) / increments;
+    }
+    next.folds.insert(next.folds.begin(), state.folds.begin(), state.folds.end());
+    state = std::move(next);
+  }
+  return state;
+}
+
+}
+
+vtkStandardNewMacro(vtkPalpateSolveEquilibrium);
+
+struct vtkPalpateSolveEquilibrium::Route
+{
+  std::unique_ptr<palpate::Interaction> Tool;
+  Eigen::VectorXd Start;
+  Eigen::VectorXd End;
+  /// The same tool where it is a rigid one, else null, and what it is made of.
+  const palpate::RigidContact* Contact = nullptr;
+  palpate::RigidTool Rigid;
+};
+
+vtkPalpateSolveEquilibrium::vtkPalpateSolveEquilibrium()
+  : LinearSolverNames(vtkPalpateLinearSolverNames())
+{
+  this->SetNumberOfInputPorts(2);
+}
+
+vtkPalpateSolveEquilibrium::~vtkPalpateSolveEquilibrium() = default;
+
+void vtkPalpateSolveEquilibrium::AddActiveNode(vtkIdType node)
+{
+  this->ActiveNodes.push_back(node);
+  this->Modified();
+}
+
+void vtkPalpateSolveEquilibrium::ClearActiveNodes()
+{
+  this->ActiveNodes.clear();
+  this->Modified();
+}
+
+void vtkPalpateSolveEquilibrium::AddDisplacement(double x, double y, double z)
+{
+  this->Displacements.insert(this->Displacements.end(), { x, y, z });
+  this->Modified();
+}
+
+void vtkPalpateSolveEquilibrium::ClearDisplacements()
+{
+  this->Displacements.clear();
+  this->Modified();
+}
+
+vtkStringArray* vtkPalpateSolveEquilibrium::GetLinearSolverNames()
+{
+  return this->LinearSolverNames;
+}
+
+int vtkPalpateSolveEquilibrium::FillInputPortInformation(int port, vtkInformation* info)
+{
+  if (port == 1)
+  {
+    vtkPalpateTakeWhole(info, "vtkPolyData");
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+    return 1;
+  }
+  vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
+  return 1;
+}
+
+int vtkPalpateSolveEquilibrium::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  auto* output = vtkUnstructuredGrid::GetData(outputVector);
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  // A request that ended the run before is not for this one, and nobody else takes it back.
+  this->SetAbortExecute(0);
+  const auto compute = [&](palpate::Communicator& communicator)
+  {
+    // On rank 0 alone.
+    vtkSmartPointer<vtkUnstructuredGrid> body;
+    std::optional<palpate::Scene> scene;
+    Route route;
+    palpate::agree(communicator,
+      [&]
+      {
+        body =
+          vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
+        const auto surface = this->Tool == vtkPalpateSurfaceTool
+          ? vtkPalpateGatherSurface(vtkPalpateInput<vtkPolyData>(inputVector[1]), controller)
+          : nullptr;
+        if (!body || vtkPalpatePassFailure(body, output))
+        {
+          return;
+        }
+        scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
+        route = this->Tool == vtkPalpateBondedNode ? this->BondedRoute(*scene)
+                                                   : this->ContactRoute(*scene, surface);
+        // Loads act before a tool holds anything.
+        palpate::PieceSupport(scene->mesh, palpate::holding_points(*scene))
+          .require_held(
+            scene->has_load() ? std::vector<palpate::Index>() : palpate::held_points(*route.Tool));
+      });
+
+    const bool together = palpate::any(communicator,
+      scene &&
+        vtkPalpateSolvesTogether(
+          this->LinearSolver, this->GroupUnknowns, *scene, communicator.size()));
+    const int threads = palpate::num_threads(communicator, this->Threads);
+    const void* comm = together ? vtkPalpateMpiComm(controller) : nullptr;
+    palpate::agree(communicator,
+      [&]
+      {
+        if (together)
+        {
+          palpate::prepare_group_solver();
+        }
+      });
+    if (scene)
+    {
+      auto linearSolver =
+        together ? palpate::make_group_solver(comm) : this->MakeLinearSolver(*scene, threads);
+      output->ShallowCopy(body);
+      palpate::with_memory("to solve for the equilibrium of the body",
+        [&] { this->Solve(*scene, route, std::move(linearSolver), threads, output); });
+    }
+    else if (together)
+    {
+      palpate::serve_group_solver(comm);
+    }
+  };
+
+  this->ErrorCode = vtkPalpateProduce(this, output, controller, compute);
+  return 1;
+}
+
+void vtkPalpateSolveEquilibrium::UpdateEstimate()
+{
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  this->Estimate = vtkPalpateEstimate(controller,
+    [&]
+    {
+      const auto scene =
+        vtkPalpateSceneToEstimate({ vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) },
+          controller, palpate::Vec3(this->BodyForce));
+      const int threads = palpate::num_threads(*vtkPalpateCommunicator(controller), this->Threads);
+      if (!scene)
+      {
+        return std::string();
+      }
+      const palpate::SolveCost& cost = this->Cost.Of(*scene, threads);
+      const palpate::EquilibriumOptions options;
+      const bool isRigid = this->Tool != vtkPalpateBondedNode;
+      palpate::WorkCount work = palpate::work_of_equilibrium();
+      work.right_hand_sides += 3. * static_cast<double>(this->ActiveNodes.size());
+      const double seconds = this->Increments * (isRigid ? StepsOfContact : 1) *
+        palpate::seconds_of(work, cost, options.single_precision);
+      return "An equilibrium of " + vtkPalpateTellNumber(cost.num_unknowns) +
+        " unknowns. It takes " + vtkPalpateTellSeconds(seconds) + " and " +
+        vtkPalpateTellBytes(
+          palpate::solver_bytes(cost, options.kept_factors, options.single_precision)) +
+        " of memory.";
+    });
+}
+
+palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
+  palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const
+{
+  Eigen::VectorXd start = route.Start;
+  if (scene.has_load())
+  {
+    palpate::Equilibrium rest = solver.settled();
+    if (rest.outcome != palpate::Outcome::converged)
+    {
+      const Eigen::Index coordinates = start.size();
+      rest.t = start;
+      rest.reaction.setZero(coordinates);
+      rest.stiffness.setZero(coordinates, coordinates);
+      return rest;
+    }
+    if (route.Contact)
+    {
+      // The tool starts where it is clear of the body as it lies.
+      palpate::Scene settled = scene;
+      settled.settled = { rest.u, rest.p };
+      start = palpate::ToolClearance(settled, palpate::make_contact(settled, route.Rigid))
+                .start_for(route.End);
+    }
+  }
+  solver.set_interaction(*route.Tool);
+  palpate::Equilibrium state = Follow(solver, start, route.End, this->Increments);
+  // Energies count from the body of the mesh.
+  const double ofRest = solver.settled().energy;
+  state.energy += ofRest;
+  for (palpate::Fold& fold : state.folds)
+  {
+    fold.energy += ofRest;
+    fold.landing_energy += ofRest;
+  }
+  return state;
+}
+
+std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSolver(
+  const palpate::Scene& scene, int threads) const
+{
+  return this->EstimateCondition && this->LinearSolver == vtkPalpateAutomaticSolver
+    ? palpate::make_linear_solver()
+    : vtkPalpateMakeLinearSolver(this->LinearSolver, scene, threads);
+}
+
+vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::BondedRoute(
+  const palpate::Scene& scene) const
+{
+  Route route;
+  route.Tool = palpate::BondedPatches(scene, this->TipRadius)
+                 .around_each(vtkPalpateActiveNodes(this->ActiveNodes))
+                 .clone();
+  route.End = Eigen::Map<const Eigen::VectorXd>(
+    this->Displacements.data(), static_cast<Eigen::Index>(this->Displacements.size()));
+  route.Start = Eigen::VectorXd::Zero(route.Tool->num_coordinates());
+  return route;
+}
+
+vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::ContactRoute(
+  const palpate::Scene& scene, vtkPolyData* surface)
+{
+  const palpate::RigidTool tool =
+    palpate::with_defaults(vtkPalpateRigidTool(vtkPalpateToolPropertiesOf(*this), surface), scene);
+  const palpate::RigidContact contact = palpate::make_contact(scene, tool);
+  Route route;
+  route.Rigid = tool;
+  route.End = palpate::Vec3(this->ToolPosition);
+  route.Start = palpate::ToolClearance(scene, contact).start_for(route.End);
+  route.Tool = contact.clone();
+  route.Contact = static_cast<const palpate::RigidContact*>(route.Tool.get());
+  return route;
+}
+
+void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene, const Route& route,
+  const palpate::Equilibrium& state, vtkUnstructuredGrid* output)
+{
+  const palpate::RigidContact::Patch patch = route.Contact->patch(state.t, state.u);
+  vtkNew<vtkDoubleArray> pressure;
+  pressure->SetName(vtkPalpateArray::ContactPressure);
+  pressure->SetNumberOfTuples(static_cast<vtkIdType>(patch.pressure.size()));
+  std::copy(patch.pressure.begin(), patch.pressure.end(), pressure->GetPointer(0));
+  output->GetPointData()->AddArray(pressure);
+  vtkPalpateAddNumber(output, "ContactArea", patch.area);
+  const double layerForce =
+    palpate::contact_layer_force(patch.layer_depth, state.reaction, state.stiffness);
+  vtkPalpateAddNumber(output, "ContactLayerForce", layerForce);
+  const double meshError =
+    palpate::expected_mesh_error(scene.mesh.order, patch.longest_edge, patch.area);
+  vtkPalpateAddNumber(output, "ContactMeshError", meshError);
+  const double radius = 0.5 * route.Contact->shape().bounds().sizes().minCoeff();
+  if (patch.longest_edge > radius)
+  {
+    vtkWarningMacro("The edges of the mesh under the tool are up to "
+      << patch.longest_edge << " m long, and the tool's radius is " << radius
+      << " m. Such cells are too stiff: expect a force that is too large by about "
+      << std::lround(100 * meshError)
+      << " %, and that ripples along the surface, by 2 to 3 % of it where edges are as long as the "
+         "radius and 10 to 12 % where they are twice as long. Mesh the body more finely there.");
+  }
+}
+
+void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route& route,
+  std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output)
+{
+  palpate::EquilibriumOptions options;
+  options.threads = threads;
+  options.tolerance = this->Tolerance;
+  options.max_iterations = this->MaximumIterations;
+  options.max_seconds = this->MaximumSeconds;
+  options.abort_requested = [this, iterations = 0]() mutable
+  {
+    ++iterations;
+    // ParaView handles its events, an abort among them, when it hears of progress.
+    this->UpdateProgress(iterations / (iterations + IterationsAtHalf));
+    return this->GetAbortExecute() != 0;
+  };
+  // What is beyond a fold, and tangents that are hard to solve for, need a factor.
+  const bool mayTryAgain = this->LinearSolver == vtkPalpateAutomaticSolver && !linearSolver &&
+    palpate::count_unknowns(scene) <= MostUnknownsTriedAgain;
+  palpate::EquilibriumSolver solver(scene, options, std::move(linearSolver));
+  palpate::Equilibrium state = this->SolveWith(solver, scene, route);
+  if (mayTryAgain &&
+    (state.outcome == palpate::Outcome::not_converged ||
+      state.outcome == palpate::Outcome::tangent_not_solved))
+  {
+    solver = palpate::EquilibriumSolver(scene, options, palpate::make_linear_solver());
+    state = this->SolveWith(solver, scene, route);
+  }
+
+  // What is added to each point and each cell, in numbers, at the most.
+  constexpr std::size_t perPoint = 30;
+  constexpr std::size_t perCell = 20;
+  palpate::require_memory(sizeof(double) *
+      (perPoint * scene.mesh.points.size() +
+        perCell * static_cast<std::size_t>(scene.mesh.num_cells())),
+    "for the deformed body");
+  AddResult(output, state);
+  vtkPalpateAddInteger(output, "Unknowns", solver.assembly().pattern().size);
+  AddCells(output, "MinimumDetF", solver.assembly().minimum_det_f_of_cells(state.u));
+  if (this->Stress)
+  {
+    const palpate::BodyStress stress =
+      palpate::find_stress(solver.assembly(), scene.mesh, state.u, state.p);
+    vtkPalpateAddStress(stress.of_cells, output->GetCellData());
+    vtkPalpateAddStress(stress.at_points, output->GetPointData());
+  }
+  if (route.Contact)
+  {
+    this->AddContact(scene, route, state, output);
+  }
+  if (!state.folds.empty())
+  {
+    AddFolds(output, state.folds);
+  }
+  if (this->EstimateCondition)
+  {
+    vtkPalpateAddNumber(output, "Condition", solver.condition(state));
+  }
+  if (!state.message.empty())
+  {
+    vtkPalpateWarn(this, state.message);
+  }
+}
+
+void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "ActiveNodes:";
+  for (const vtkIdType node : this->ActiveNodes)
+  {
+    os << ' ' << node;
+  }
+  os << '\n' << indent << "Displacements:";
+  for (const double component : this->Displacements)
+  {
+    os << ' ' << component;
+  }
+  os << " m\n" << indent << "TipRadius: " << this->TipRadius << " m\n";
+  vtkPalpatePrintTool(os, indent, vtkPalpateToolPropertiesOf(*this));
+  os << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
+     << this->ToolPosition[2] << " m\n"
+     << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
+     << this->BodyForce[2] << " m/s^2\n"
+     << indent << "Tolerance: " << this->Tolerance << '\n'
+     << indent << "MaximumIterations: " << this->MaximumIterations << '\n'
+     << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
+     << indent << "Threads: " << this->Threads << '\n'
+     << indent << "Increments: " << this->Increments << '\n'
+     << indent << "EstimateCondition: " << this->EstimateCondition << '\n'
+     << indent << "Stress: " << this->Stress << '\n'
+     << indent << "GroupUnknowns: " << this->GroupUnknowns << '\n'
+     << indent << "LinearSolver: " << this->LinearSolver << '\n'
+     << indent << "Estimate: " << this->Estimate << '\n';
+}

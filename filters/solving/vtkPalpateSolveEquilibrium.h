@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpateSolveEquilibrium
+ * @brief the body at rest when some of its nodes are held at given displacements, or a rigid tool
+ * presses it
+ *
+ * Input: a body with material and boundary (see vtkPalpateScene.h). Output: the same with the point
+ * array `Displacement` (m) and field arrays
+ *
+ *   `ReactionForce`   force that holds a node, and the patch that moves with it, at its
+ *                     displacement, N; a tuple an active node
+ *   `Energy`          J
+ *   `HapticStiffness` derivative of the forces by the displacements, N/m; row by row, (3n)^2
+ *   `Outcome`, `Flags`, `Message`   how it ended, see solvers/base/outcome.h
+ *   `Iterations`, `Steps`, `Seconds`, `Unknowns`, `Residual`, `DisplacementError`, `MinimumDetF`,
+ *   `NegativePivots`  see solvers/equilibrium/state.h
+ *   `LowestEigenvalue` only where there was no factor: of the tangent, N/m
+ *   `Condition`       only where it is asked for: of the tangent, estimated
+ *   `Folds`           only where folds were passed: a tuple a fold, `Way` (share of the way),
+ *                     `EnergyBefore`, `EnergyAfter` (J), `ForceBefore`, `ForceAfter` (N, the norm
+ * of all reactions); After is NaN where the path does not come by that place again
+ *
+ *   `ContactArea`     only with a rigid tool: the area at rest on which it presses, m^2
+ *   `ContactLayerForce` only with a rigid tool: what of its force is the error of the layer in
+ * which it presses, N, see solvers/interaction/rigid_contact.h `ContactMeshError` only with a rigid
+ * tool: by which share its force is expected to be too large because of the size of the cells, see
+ * solvers/interaction/mesh_error.h
+ *
+ * with a rigid tool the point array `ContactPressure` (Pa), and the cell array `MinimumDetF`, the
+ * least det F of each cell; where they are asked for also the cell and point arrays of
+ * vtkPalpateStress.h.
+ *
+ * A solve that does not converge is a result, not an error: Outcome is not 0, and all values belong
+ * to the last equilibrium on the way. The whole result is on rank 0. A large body is solved by all
+ * ranks together, a smaller one by rank 0 alone.
+ */
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "PalpateSolvingModule.h"
+#include "vtkPalpateSolveCost.h"
+#include "vtkSmartPointer.h"
+#include "vtkUnstructuredGridAlgorithm.h"
+
+class vtkPolyData;
+class vtkStringArray;
+
+namespace palpate
+{
+class EquilibriumSolver;
+class LinearSolver;
+struct Equilibrium;
+struct Scene;
+}
+
+class PALPATESOLVING_EXPORT vtkPalpateSolveEquilibrium : public vtkUnstructuredGridAlgorithm
+{
+public:
+  static vtkPalpateSolveEquilibrium* New();
+  vtkTypeMacro(vtkPalpateSolveEquilibrium, vtkUnstructuredGridAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /// Ids of the points of the input that are held: on the surface and not fixed.
+  void AddActiveNode(vtkIdType node);
+  void ClearActiveNodes();
+  ///@}
+  ///@{
+  /// Displacements of the active nodes, m, in their order.
+  void AddDisplacement(double x, double y, double z);
+  void ClearDisplacements();
+  ///@}
+  ///@{
+  /// The points of the connected patch of the surface within this distance of an active node move
+  /// with it, m; 0: the node alone.
+  vtkSetMacro(TipRadius, double);
+  vtkGetMacro(TipRadius, double);
+  ///@}
+  ///@{
+  /// How the body is touched: 0 bonded node, 1 sphere, 2 capsule, 3 surface.
+  vtkSetMacro(Tool, int);
+  vtkGetMacro(Tool, int);
+  ///@}
+  ///@{
+  /// Of a sphere or capsule, m; more than 0.
+  vtkSetMacro(ToolRadius, double);
+  vtkGetMacro(ToolRadius, double);
+  ///@}
+  ///@{
+  /// Along a capsule, of any length but 0.
+  vtkSetVector3Macro(ToolAxis, double);
+  vtkGetVector3Macro(ToolAxis, double);
+  ///@}
+  ///@{
+  /// Of the straight part of a capsule, m.
+  vtkSetMacro(ToolLength, double);
+  vtkGetMacro(ToolLength, double);
+  ///@}
+  ///@{
+  /// The place of the centre of a rigid tool, m.
+  vtkSetVector3Macro(ToolPosition, double);
+  vtkGetVector3Macro(ToolPosition, double);
+  ///@}
+  ///@{
+  /// Of the layer in which contact acts, m; 0: a fifth of the radius of the tool, or of half of its
+  /// smallest extent.
+  vtkSetMacro(ContactThickness, double);
+  vtkGetMacro(ContactThickness, double);
+  ///@}
+  ///@{
+  /// The pressure at the inner side of that layer, Pa; 0: see palpate::with_defaults().
+  vtkSetMacro(ContactStiffness, double);
+  vtkGetMacro(ContactStiffness, double);
+  ///@}
+  ///@{
+  /// The field of gravity, m/s^2: the body rests under its weight, and the displacements of active
+  /// nodes count from that rest.
+  vtkSetVector3Macro(BodyForce, double);
+  vtkGetVector3Macro(BodyForce, double);
+  ///@}
+  ///@{
+  /// Largest residual of an equilibrium, see palpate::EquilibriumOptions::tolerance (between 0 and
+  /// 1).
+  vtkSetMacro(Tolerance, double);
+  vtkGetMacro(Tolerance, double);
+  ///@}
+  ///@{
+  /// Iterations of one step, at least 1.
+  vtkSetMacro(MaximumIterations, int);
+  vtkGetMacro(MaximumIterations, int);
+  ///@}
+  ///@{
+  /// Time for an increment, s; 0 is no bound.
+  vtkSetMacro(MaximumSeconds, double);
+  vtkGetMacro(MaximumSeconds, double);
+  ///@}
+  ///@{
+  /// Threads of a rank that solve for a large body without a factor, to 1024; 0: as many as there
+  /// are cores for it.
+  vtkSetMacro(Threads, int);
+  vtkGetMacro(Threads, int);
+  ///@}
+  ///@{
+  /// The way is gone in so many equal parts, at least 1, each from the equilibrium of the one
+  /// before; within a part the solver chooses its steps itself.
+  vtkSetMacro(Increments, int);
+  vtkGetMacro(Increments, int);
+  ///@}
+  ///@{
+  /// Whether the condition number of the tangent is estimated; it costs a factorisation.
+  vtkSetMacro(EstimateCondition, bool);
+  vtkGetMacro(EstimateCondition, bool);
+  vtkBooleanMacro(EstimateCondition, bool);
+  ///@}
+  ///@{
+  /// Whether stress and stretches are given.
+  vtkSetMacro(Stress, bool);
+  vtkGetMacro(Stress, bool);
+  vtkBooleanMacro(Stress, bool);
+  ///@}
+  ///@{
+  /// A body with at least as many unknowns is solved by all ranks together.
+  vtkSetMacro(GroupUnknowns, int);
+  vtkGetMacro(GroupUnknowns, int);
+  ///@}
+  ///@{
+  /// One of GetLinearSolverNames().
+  vtkSetStdStringFromCharMacro(LinearSolver);
+  vtkGetCharFromStdStringMacro(LinearSolver);
+  ///@}
+  /// "Automatic", and the solvers that were built in.
+  vtkStringArray* GetLinearSolverNames();
+
+  ///@{ What the filter will take, by its properties and what its input is now.
+  /// @note Collective.
+  void UpdateEstimate();
+  vtkGetCharFromStdStringMacro(Estimate);
+  ///@}
+
+protected:
+  vtkPalpateSolveEquilibrium();
+  ~vtkPalpateSolveEquilibrium() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPalpateSolveEquilibrium(const vtkPalpateSolveEquilibrium&) = delete;
+  void operator=(const vtkPalpateSolveEquilibrium&) = delete;
+
+  /// Null: there is no factor.
+  std::unique_ptr<palpate::LinearSolver> MakeLinearSolver(
+    const palpate::Scene& scene, int threads) const;
+  /// A tool, and where it starts and ends.
+  struct Route;
+  Route BondedRoute(const palpate::Scene& scene) const;
+  Route ContactRoute(const palpate::Scene& scene, vtkPolyData* surface);
+  palpate::Equilibrium SolveWith(
+    palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const;
+  void AddContact(const palpate::Scene& scene, const Route& route,
+    const palpate::Equilibrium& state, vtkUnstructuredGrid* output);
+  void Solve(const palpate::Scene& scene, const Route& route,
+    std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output);
+
+  std::vector<vtkIdType> ActiveNodes = { 0 };
+  std::vector<double> Displacements = { 0, 0, 0 };
+  double TipRadius = 0;
+  int Tool = 0;
+  double ToolRadius = 0.01;
+  double ToolAxis[3] = { 1, 0, 0 };
+  double ToolLength = 0.03;
+  double ToolPosition[3] = { 0, 0, 0 };
+  double ContactThickness = 0;
+  double ContactStiffness = 0;
+  double BodyForce[3] = { 0, 0, 0 };
+  double Tolerance = 1e-10;
+  int MaximumIterations = 60;
+  double MaximumSeconds = 0;
+  int Threads = 0;
+  int Increments = 1;
+  bool EstimateCondition = false;
+  bool Stress = false;
+  int GroupUnknowns = 30000;
+  std::string LinearSolver = "Automatic";
+  vtkSmartPointer<vtkStringArray> LinearSolverNames;
+  std::string Estimate;
+  vtkPalpateSolveCost Cost;
+};

@@ -1,0 +1,462 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpatePrecomputeStateSpace.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <sstream>
+#include <utility>
+
+#include "base/content_hash.h"
+#include "base/error.h"
+#include "exploration/precompute.h"
+#include "state_space/state_space_file.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkImplicitFunction.h"
+#include "vtkInformation.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPalpateActiveNodes.h"
+#include "vtkPalpateCommunicator.h"
+#include "vtkPalpateEstimate.h"
+#include "vtkPalpateFailure.h"
+#include "vtkPalpateGrowth.h"
+#include "vtkPalpateInput.h"
+#include "vtkPalpateProgress.h"
+#include "vtkPalpateRigidTool.h"
+#include "vtkPalpateScene.h"
+#include "vtkPalpateSceneToEstimate.h"
+#include "vtkPalpateStateSpace.h"
+#include "vtkPalpateWholeBody.h"
+#include "vtkPalpateWholeSurface.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPolyData.h"
+#include "vtkUnstructuredGrid.h"
+
+namespace
+{
+/// Of all that a state space depends on.
+/// @param region Of the tool; null: there is none.
+std::string KeyOf(const palpate::Scene& scene, const palpate::PrecomputeOptions& options,
+  vtkImplicitFunction* region)
+{
+  palpate::ContentHash key;
+  key.add(palpate::hash(scene)).add(scene.touchable).add(options.active_nodes);
+  key.add(options.tip_radius).add(options.half_width).add(options.resolution);
+  key.add(options.tolerance).add(options.tolerance_is_relative).add(options.force_limit);
+  key.add(options.history).add(options.intermediate_states);
+  key.add(options.touch_bound).add(options.keep).add(options.file.string());
+  const palpate::EquilibriumOptions& equilibrium = options.equilibrium;
+  key.add(equilibrium.third_derivatives).add(equilibrium.tolerance);
+  key.add(equilibrium.max_seconds).add(equilibrium.single_precision);
+  key.add(options.ranks_per_solve);
+  if (options.contact)
+  {
+    const auto& [tool, spacing, shell, most] = *options.contact;
+    key.add(tool.shape).add(tool.radius).add(tool.axis).add(tool.length);
+    key.add(tool.points).add(tool.triangles);
+    key.add(tool.law.thickness).add(tool.law.stiffness).add(tool.law.offset);
+    key.add(spacing).add(shell.depth).add(shell.begin_at).add(most);
+    // A function is asked anywhere; what it says at some places does not tell it from others.
+    key.add(region ? region->GetMTime() : vtkMTimeType(0));
+  }
+  return key.text();
+}
+
+std::string ToText(const palpate::ExplorationEstimate& estimate)
+{
+  std::string text = "About " +
+    vtkPalpateTellNumber(static_cast<double>(estimate.num_configurations)) + " configurations of " +
+    vtkPalpateTellNumber(estimate.num_unknowns) + " unknowns";
+  if (estimate.num_free > 0)
+  {
+    text += ", and " + vtkPalpateTellNumber(static_cast<double>(estimate.num_free)) +
+      " places where the tool touches nothing";
+  }
+  return text + ". They take " + vtkPalpateTellSeconds(estimate.seconds) + ", " +
+    vtkPalpateTellBytes(estimate.bytes_per_rank) + " of memory a rank and " +
+    vtkPalpateTellBytes(estimate.file_bytes) + " of disk until it is complete, if there is a file.";
+}
+
+/// Of the window itself between two executions of a space that grows. It asks every second, and for
+/// what it has not asked meanwhile at once.
+constexpr std::chrono::seconds TimeForWindow(1);
+
+/// Check-points along an axis that a space with a tolerance begins with: the fewest that its errors
+/// can be estimated from.
+constexpr int CoarsestResolution = 5;
+
+/// Counts of the configurations that are not as they should be; empty when all are.
+std::string Doubts(const palpate::PrecomputeReport& report)
+{
+  std::string text;
+  const auto add = [&](std::int64_t count, const std::string& what)
+  { text += (text.empty() ? "" : ", ") + std::to_string(count) + ' ' + what; };
+  for (const auto& [outcome, count] : report.num_by_outcome)
+  {
+    if (outcome != palpate::Outcome::converged)
+    {
+      add(count, palpate::to_string(outcome));
+    }
+  }
+  namespace flags = palpate::flags;
+  for (const auto& [flag, count] : report.num_by_flag)
+  {
+    if (flag != flags::beyond_force_limit && flag != flags::inertia_not_computed &&
+      flag != flags::touches_nothing)
+    {
+      add(count, palpate::flags_to_string(flag));
+    }
+  }
+  return text;
+}
+
+void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
+{
+  const auto add = [&](const char* name, double value)
+  {
+    vtkNew<vtkDoubleArray> array;
+    array->SetName(name);
+    array->InsertNextValue(value);
+    fields->AddArray(array);
+  };
+  const palpate::Work& work = report.work;
+  const auto mean = [](double seconds, long count) { return count > 0 ? seconds / count : 0; };
+  add("Ranks", report.num_ranks);
+  add("Cells", report.num_cells);
+  add("Unknowns", report.num_unknowns);
+  add("Shares", static_cast<double>(report.schedule.steals_granted));
+  add("IdleSeconds", report.schedule.idle_seconds);
+  add("Solved", static_cast<double>(report.num_solved));
+  add("Reused", static_cast<double>(report.num_reused));
+  add("Rounds", report.num_rounds);
+  add("NotReached", static_cast<double>(report.num_not_reached));
+  add("LevelTransitions", static_cast<double>(report.num_transitions));
+  add("Levels", static_cast<double>(report.num_levels));
+  add("BeyondMostLevels", static_cast<double>(report.num_beyond_most_levels));
+  add("IntermediateStatesSolved", static_cast<double>(report.num_intermediate_states));
+  add("IntermediateStatesFailed", static_cast<double>(report.num_intermediate_states_failed));
+  add("IntermediateStatesSeconds", report.intermediate_seconds);
+  add("ExplorationSeconds", report.exploration_seconds);
+  add("FinishingSeconds", report.finishing_seconds);
+  add("AssemblySeconds", mean(work.assembly_seconds, work.assemblies));
+  add("FactorisationSeconds", mean(work.factorisation_seconds, work.factorisations));
+  add("SolveSeconds", mean(work.solve_seconds, work.right_hand_sides));
+  add("FloorSeconds", work.floor_seconds());
+}
+}
+
+vtkStandardNewMacro(vtkPalpatePrecomputeStateSpace);
+
+vtkPalpatePrecomputeStateSpace::vtkPalpatePrecomputeStateSpace()
+{
+  this->SetNumberOfInputPorts(2);
+}
+
+vtkPalpatePrecomputeStateSpace::~vtkPalpatePrecomputeStateSpace()
+{
+  vtkPalpateStopGrowing(this);
+}
+
+void vtkPalpatePrecomputeStateSpace::AddActiveNode(vtkIdType node)
+{
+  this->ActiveNodes.push_back(node);
+  this->Modified();
+}
+
+void vtkPalpatePrecomputeStateSpace::ClearActiveNodes()
+{
+  this->ActiveNodes.clear();
+  this->Modified();
+}
+
+bool vtkPalpatePrecomputeStateSpace::GetNeedsUpdate()
+{
+  const auto since = std::chrono::steady_clock::now() - this->LastEnd;
+  if (!vtkPalpateGrows(this) || since < TimeForWindow)
+  {
+    return false;
+  }
+  vtkPalpateGoOn();
+  return true;
+}
+
+void vtkPalpatePrecomputeStateSpace::SetToolRegion(vtkImplicitFunction* region)
+{
+  if (this->ToolRegion != region)
+  {
+    this->ToolRegion = region;
+    this->Modified();
+  }
+}
+
+vtkImplicitFunction* vtkPalpatePrecomputeStateSpace::GetToolRegion()
+{
+  return this->ToolRegion;
+}
+
+vtkMTimeType vtkPalpatePrecomputeStateSpace::GetMTime()
+{
+  const vtkMTimeType own = this->Superclass::GetMTime();
+  return this->ToolRegion ? std::max(own, this->ToolRegion->GetMTime()) : own;
+}
+
+palpate::ContactOptions vtkPalpatePrecomputeStateSpace::Contact(vtkPolyData* surface)
+{
+  palpate::ContactOptions contact;
+  contact.tool = vtkPalpateRigidTool(vtkPalpateToolPropertiesOf(*this), surface);
+  contact.spacing = this->Spacing;
+  contact.shell.depth = this->Depth;
+  contact.shell.begin_at = palpate::Vec3(this->BeginAt);
+  contact.most_configurations = this->MaximumConfigurations;
+  if (this->UseToolRegion && this->ToolRegion)
+  {
+    contact.shell.region = [region = this->ToolRegion](const palpate::Vec3& place)
+    { return region->FunctionValue(place.data()) <= 0; };
+  }
+  return contact;
+}
+
+palpate::PrecomputeOptions vtkPalpatePrecomputeStateSpace::Options(
+  vtkPolyData* surface, vtkMultiProcessController* controller)
+{
+  palpate::PrecomputeOptions options;
+  const bool isRigid = this->Tool != vtkPalpateBondedNode;
+  if (isRigid && this->Graspable && this->ActiveNodes.empty())
+  {
+    throw palpate::InputError("The rigid tool is to grasp active nodes, but none is named. Name "
+                              "some as ActiveNodes, or set Graspable to 0.");
+  }
+  if (!isRigid || this->Graspable)
+  {
+    options.active_nodes = vtkPalpateActiveNodes(this->ActiveNodes);
+  }
+  options.tip_radius = this->TipRadius;
+  options.half_width = this->HalfWidth;
+  options.resolution = this->Tolerance > 0 ? CoarsestResolution : this->Resolution;
+  options.tolerance = this->Tolerance;
+  options.tolerance_is_relative = this->ToleranceType == RELATIVE;
+  options.force_limit = this->ForceLimit;
+  options.history = static_cast<palpate::History>(this->History);
+  options.intermediate_states = this->IntermediateStates;
+  options.equilibrium.third_derivatives = this->ThirdDerivatives;
+  options.file = this->FileName;
+  options.keep = static_cast<palpate::Keep>(this->Keep);
+  options.touch_bound = this->DisplacementBound;
+  options.equilibrium.tolerance = this->SolverTolerance;
+  options.equilibrium.max_seconds = this->MaximumSeconds;
+  options.equilibrium.single_precision = this->SinglePrecisionFactors;
+  options.ranks_per_solve = this->RanksPerSolve;
+  options.equilibrium.threads = this->Threads;
+  if (isRigid)
+  {
+    options.contact = this->Contact(
+      vtkPalpateShareSurface(vtkPalpateGatherSurface(surface, controller), controller));
+  }
+  return options;
+}
+
+void vtkPalpatePrecomputeStateSpace::UpdateEstimate()
+{
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  this->Estimate = vtkPalpateEstimate(controller,
+    [&]
+    {
+      const auto scene =
+        vtkPalpateSceneToEstimate({ vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) },
+          controller, palpate::Vec3(this->BodyForce));
+      const palpate::PrecomputeOptions options =
+        this->Options(vtkPolyData::SafeDownCast(this->GetInputDataObject(1, 0)), controller);
+      const auto communicator = vtkPalpateCommunicator(controller);
+      const int threads = palpate::num_threads(*communicator, this->Threads);
+      return scene ? ToText(palpate::estimate_exploration(
+                       *scene, options, this->Cost.Of(*scene, threads), communicator->size()))
+                   : std::string();
+    });
+}
+
+int vtkPalpatePrecomputeStateSpace::FillInputPortInformation(int port, vtkInformation* info)
+{
+  if (port == 1)
+  {
+    vtkPalpateTakeWhole(info, "vtkPolyData");
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+    return 1;
+  }
+  vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
+  return 1;
+}
+
+int vtkPalpatePrecomputeStateSpace::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
+  // Nobody else takes back the abort of an earlier run.
+  this->SetAbortExecute(0);
+  const bool goesOn = vtkPalpateStopGrowing(this);
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  const auto compute = [&](palpate::Communicator& communicator)
+  {
+    auto* piece = vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]);
+    vtkPalpateNameBlocks(output, this->IntermediateStates > 0);
+
+    vtkSmartPointer<vtkUnstructuredGrid> body;
+    palpate::agree(communicator, [&] { body = vtkPalpateGatherBody(piece, controller); });
+    if (palpate::any(communicator, body && vtkPalpatePassFailure(body, output)))
+    {
+      return;
+    }
+    palpate::Scene scene = vtkPalpateShareScene(body, communicator, palpate::Vec3(this->BodyForce));
+    if (this->UpdateInterval > 0 && this->FileName.empty())
+    {
+      throw palpate::InputError("A space with an update interval goes on from its file. Set "
+                                "FileName, or the interval to 0.");
+    }
+
+    palpate::PrecomputeOptions options =
+      this->Options(vtkPalpateInput<vtkPolyData>(inputVector[1]), controller);
+    if (!goesOn)
+    {
+      // Of a space that goes on growing it was said before.
+      options.expects = [this](const palpate::ExplorationEstimate& estimate)
+      {
+        const std::string text = ToText(estimate);
+        this->SetProgressText(text.c_str());
+        this->UpdateProgress(0);
+        // What is over before the first line says how far it is needs no announcement.
+        if (this->LogInterval > 0 && estimate.seconds > this->LogInterval)
+        {
+          std::cerr << "Precompute State Space: " << text << std::endl;
+        }
+      };
+    }
+
+    const std::string of =
+      KeyOf(scene, options, this->UseToolRegion ? this->ToolRegion.Get() : nullptr);
+    const bool fileIsThere = this->FileName.empty() || std::filesystem::exists(this->FileName);
+    if (!palpate::any(communicator, of != this->LastOf || !fileIsThere))
+    {
+      output->ShallowCopy(this->Last);
+      return;
+    }
+    this->LastOf.clear();
+
+    // Something is found each time, however short the interval.
+    const palpate::Progress progress =
+      [this,
+        tell = vtkPalpateProgress(this, communicator.rank(), this->LogInterval,
+          "Precompute State Space", "configurations")](const palpate::ProgressState& state)
+    {
+      const bool isDue = this->UpdateInterval > 0 && state.seconds >= this->UpdateInterval;
+      return tell(state) && !(isDue && state.num_solved > 0);
+    };
+    palpate::PrecomputeResult result = palpate::precompute(scene, options, communicator, progress);
+    const bool grows = this->UpdateInterval > 0 && !result.report.complete &&
+      !palpate::any(communicator, this->GetAbortExecute() != 0);
+    const auto keep = [&]
+    {
+      if (grows)
+      {
+        vtkPalpateGrow(this, controller);
+      }
+      if (result.report.complete)
+      {
+        this->LastOf = of;
+        this->Last->ShallowCopy(output);
+      }
+    };
+    if (communicator.rank() != 0)
+    {
+      keep();
+      return;
+    }
+    scene.settled = result.settled;
+    vtkPalpateFillCollection(scene, std::move(result.space), output);
+    for (const auto& configurations : vtkPalpateConfigurations(output))
+    {
+      vtkPalpateAddFile(this->FileName, result.report.complete, configurations->GetFieldData());
+      AddReport(result.report, configurations->GetFieldData());
+      output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
+    }
+    keep();
+    if (grows)
+    {
+      return;
+    }
+    if (!result.damaged.empty())
+    {
+      vtkWarningMacro(<< palpate::describe_left_out(this->FileName, result.damaged)
+                      << " This was removed, and is computed again.");
+    }
+    if (const std::string doubts = Doubts(result.report); !doubts.empty())
+    {
+      vtkWarningMacro("Configurations that are marked: "
+        << doubts << ". Touching near them gives Found = 2 (extrapolated) or 3 (marked).");
+    }
+    if (const std::int64_t beyond = result.report.num_beyond_most_levels; beyond > 0)
+    {
+      vtkWarningMacro(
+        << beyond << " transitions have found an equilibrium beyond the " << palpate::kMostLevels
+        << " levels that a check-point may have, and count as failed. Touch a smaller "
+           "box, or choose another law.");
+    }
+    if (!result.report.complete)
+    {
+      std::string kept = "in memory alone.";
+      if (!this->FileName.empty())
+      {
+        kept = "in " + this->FileName + ": the next run goes on from there.";
+      }
+      vtkWarningMacro("Aborted. " << result.report.num_solved + result.report.num_reused
+                                  << " configurations were found; they are " << kept);
+    }
+  };
+
+  this->ErrorCode = vtkPalpateProduce(this, output, controller, compute);
+  this->LastEnd = std::chrono::steady_clock::now();
+  return 1;
+}
+
+void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "ActiveNodes:";
+  for (const vtkIdType node : this->ActiveNodes)
+  {
+    os << ' ' << node;
+  }
+  os << '\n' << indent << "TipRadius: " << this->TipRadius << '\n';
+  vtkPalpatePrintTool(os, indent, vtkPalpateToolPropertiesOf(*this));
+  os << indent << "Graspable: " << this->Graspable << '\n'
+     << indent << "UseToolRegion: " << this->UseToolRegion << '\n'
+     << indent << "ToolRegion: " << this->ToolRegion.Get() << '\n'
+     << indent << "Depth: " << this->Depth << '\n'
+     << indent << "Spacing: " << this->Spacing << '\n'
+     << indent << "BeginAt: " << this->BeginAt[0] << ' ' << this->BeginAt[1] << ' '
+     << this->BeginAt[2] << '\n'
+     << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
+     << this->BodyForce[2] << " m/s^2\n"
+     << indent << "MaximumConfigurations: " << this->MaximumConfigurations << '\n'
+     << indent << "HalfWidth: " << this->HalfWidth << '\n'
+     << indent << "Resolution: " << this->Resolution << '\n'
+     << indent << "Tolerance: " << this->Tolerance << '\n'
+     << indent << "ToleranceType: " << this->ToleranceType << '\n'
+     << indent << "ForceLimit: " << this->ForceLimit << '\n'
+     << indent << "History: " << this->History << '\n'
+     << indent << "IntermediateStates: " << this->IntermediateStates << '\n'
+     << indent << "ThirdDerivatives: " << this->ThirdDerivatives << '\n'
+     << indent << "FileName: " << this->FileName << '\n'
+     << indent << "Keep: " << this->Keep << '\n'
+     << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
+     << indent << "SinglePrecisionFactors: " << this->SinglePrecisionFactors << '\n'
+     << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
+     << indent << "RanksPerSolve: " << this->RanksPerSolve << '\n'
+     << indent << "Threads: " << this->Threads << '\n'
+     << indent << "UpdateInterval: " << this->UpdateInterval << '\n'
+     << indent << "LogInterval: " << this->LogInterval << '\n'
+     << indent << "DisplacementBound: " << this->DisplacementBound << '\n'
+     << indent << "Estimate: " << this->Estimate << '\n';
+}

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpatePrecomputeStateSpace
+ * @brief the configurations of a body around its active nodes
+ *
+ * Input: a body with material and boundary (see vtkPalpateScene.h). Output: its state space (see
+ * vtkPalpateStateSpace.h), with these field arrays of the run on `Configurations`:
+ *
+ *   `FileName`, `Ranks`, `Cells`, `Unknowns` (with those of the first active node, and of the patch
+ * that moves with it, eliminated) `Solved`, `Reused`      configurations of this run, and those
+ * taken from the file `NotReached`            check-points that no usable configuration leads to,
+ * or that an abort left `Complete`              1 unless aborted `IntermediateStatesSolved`,
+ * `IntermediateStatesFailed`, `IntermediateStatesSeconds`   of this run, beside its configurations;
+ * the time is the sum of all ranks `ExplorationSeconds`, `FinishingSeconds`   wall time of the
+ * solves, and of what follows them `AssemblySeconds`, `FactorisationSeconds`, `SolveSeconds`   mean
+ * of one, in this run `FloorSeconds`          of a configuration: one assembly, one factorisation,
+ * three solves
+ *
+ * Runs on all ranks of the global controller. The result is whole on rank 0 and empty elsewhere.
+ * An abort keeps what was found; with a FileName the next run goes on from there.
+ *
+ * With an UpdateInterval the space grows: an execution ends after that time, with what was found,
+ * and the next one goes on. In ParaView's window that comes by itself, see GetNeedsUpdate().
+ */
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "PalpateStateSpaceModule.h"
+#include "vtkNew.h"
+#include "vtkPalpateSolveCost.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPartitionedDataSetCollectionAlgorithm.h"
+#include "vtkSmartPointer.h"
+
+class vtkImplicitFunction;
+class vtkMultiProcessController;
+class vtkPolyData;
+
+namespace palpate
+{
+struct ContactOptions;
+struct PrecomputeOptions;
+}
+
+class PALPATESTATESPACE_EXPORT vtkPalpatePrecomputeStateSpace
+  : public vtkPartitionedDataSetCollectionAlgorithm
+{
+public:
+  static vtkPalpatePrecomputeStateSpace* New();
+  vtkTypeMacro(vtkPalpatePrecomputeStateSpace, vtkPartitionedDataSetCollectionAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /// Ids of the points of the input that are touched; none: all that are touchable.
+  void AddActiveNode(vtkIdType node);
+  void ClearActiveNodes();
+  ///@}
+  ///@{
+  /// The points of the connected patch of the surface within this distance of an active node move
+  /// with it, m; 0: the node alone.
+  vtkSetMacro(TipRadius, double);
+  vtkGetMacro(TipRadius, double);
+  ///@}
+  ///@{
+  /// How the body is touched: 0 bonded to each active node, 1 sphere, 2 capsule, 3 surface. A rigid
+  /// tool presses anywhere, without friction; it does not turn.
+  vtkSetMacro(Tool, int);
+  vtkGetMacro(Tool, int);
+  ///@}
+  ///@{
+  /// Of a sphere or capsule, m; more than 0.
+  vtkSetMacro(ToolRadius, double);
+  vtkGetMacro(ToolRadius, double);
+  ///@}
+  ///@{
+  /// Along a capsule, of any length but 0.
+  vtkSetVector3Macro(ToolAxis, double);
+  vtkGetVector3Macro(ToolAxis, double);
+  ///@}
+  ///@{
+  /// Of the straight part of a capsule, m.
+  vtkSetMacro(ToolLength, double);
+  vtkGetMacro(ToolLength, double);
+  ///@}
+  ///@{
+  /// Of the layer in which a rigid tool presses, m; 0: a fifth of the radius of the tool, or of
+  /// half of its smallest extent.
+  vtkSetMacro(ContactThickness, double);
+  vtkGetMacro(ContactThickness, double);
+  ///@}
+  ///@{
+  /// The pressure at the inner side of that layer, Pa; 0: see palpate::with_defaults().
+  vtkSetMacro(ContactStiffness, double);
+  vtkGetMacro(ContactStiffness, double);
+  ///@}
+  ///@{
+  /// Whether a rigid tool can also hold active nodes, which are explored besides.
+  vtkSetMacro(Graspable, bool);
+  vtkGetMacro(Graspable, bool);
+  vtkBooleanMacro(Graspable, bool);
+  ///@}
+  ///@{
+  /// Where a rigid tool is to press: the places of the surface at rest in which this is not
+  /// positive. Without it, on the whole touchable surface.
+  vtkSetMacro(UseToolRegion, bool);
+  vtkGetMacro(UseToolRegion, bool);
+  vtkBooleanMacro(UseToolRegion, bool);
+  void SetToolRegion(vtkImplicitFunction* region);
+  vtkImplicitFunction* GetToolRegion();
+  ///@}
+  ///@{
+  /// How deep a rigid tool presses, measured at rest, m; 0: as deep as the force limit allows.
+  vtkSetMacro(Depth, double);
+  vtkGetMacro(Depth, double);
+  ///@}
+  ///@{
+  /// Distance of neighbouring check-points of a rigid tool, m; with a tolerance, of those that the
+  /// space begins with. 0: two fifths of the radius of the tool.
+  vtkSetMacro(Spacing, double);
+  vtkGetMacro(Spacing, double);
+  ///@}
+  ///@{
+  /// Where the exploration of a rigid tool's space begins, m: the places of the surface near it
+  /// come first. The result does not depend on it.
+  vtkSetVector3Macro(BeginAt, double);
+  vtkGetVector3Macro(BeginAt, double);
+  ///@}
+  ///@{
+  /// The space of a rigid tool is refused if more are to be expected.
+  vtkSetMacro(MaximumConfigurations, int);
+  vtkGetMacro(MaximumConfigurations, int);
+  ///@}
+  ///@{
+  /// Gravity, m/s²: a body with density rests under its weight, and is touched from there.
+  vtkSetVector3Macro(BodyForce, double);
+  vtkGetVector3Macro(BodyForce, double);
+  ///@}
+  ///@{
+  /// Half the side of the box of check-points around each active node, m.
+  vtkSetMacro(HalfWidth, double);
+  vtkGetMacro(HalfWidth, double);
+  ///@}
+  ///@{
+  /// Check-points along an axis: odd, at least 3. Not used with a tolerance.
+  vtkSetMacro(Resolution, int);
+  vtkGetMacro(Resolution, int);
+  ///@}
+  ///@{
+  /// Error of the force that is asked for: the grid is refined where it is larger; 0: a uniform
+  /// grid.
+  vtkSetMacro(Tolerance, double);
+  vtkGetMacro(Tolerance, double);
+  ///@}
+  enum : int
+  {
+    RELATIVE = 0,
+    ABSOLUTE = 1
+  };
+  ///@{
+  /// Whether the tolerance is a share of the largest force within the limit, or a force in N.
+  vtkSetClampMacro(ToleranceType, int, RELATIVE, ABSOLUTE);
+  vtkGetMacro(ToleranceType, int);
+  ///@}
+  ///@{
+  /// Force beyond which the space is not explored, N; 0 is none.
+  vtkSetMacro(ForceLimit, double);
+  vtkGetMacro(ForceLimit, double);
+  ///@}
+  /// Numbers of palpate::History.
+  enum Histories
+  {
+    FLAT = 0,
+    AUTOMATIC = 1,
+    LEVELS = 2
+  };
+  ///@{
+  /// Whether a check-point may have several equilibria, see Histories.
+  vtkSetClampMacro(History, int, FLAT, LEVELS);
+  vtkGetMacro(History, int);
+  ///@}
+  ///@{
+  /// Equilibria at equal parts of the straight way to each configuration, 0 to 100: more places at
+  /// which the force is known.
+  vtkSetMacro(IntermediateStates, int);
+  vtkGetMacro(IntermediateStates, int);
+  ///@}
+  ///@{
+  /// Whether configurations have the third derivative of the energy.
+  vtkSetMacro(ThirdDerivatives, bool);
+  vtkGetMacro(ThirdDerivatives, bool);
+  vtkBooleanMacro(ThirdDerivatives, bool);
+  ///@}
+  ///@{
+  /// Where the space is kept (.palpate) and resumed; empty: in memory alone.
+  vtkSetStdStringFromCharMacro(FileName);
+  vtkGetCharFromStdStringMacro(FileName);
+  ///@}
+  /// Numbers of palpate::Keep.
+  enum Keeps
+  {
+    TOUCH = 0,
+    SURFACE = 1,
+    ALL = 2
+  };
+  ///@{
+  /// What the file keeps of the displacements when the space is complete, see Keeps.
+  vtkSetClampMacro(Keep, int, TOUCH, ALL);
+  vtkGetMacro(Keep, int);
+  ///@}
+  ///@{
+  /// Largest residual of an equilibrium, as a share of the scene's force scale.
+  vtkSetMacro(SolverTolerance, double);
+  vtkGetMacro(SolverTolerance, double);
+  ///@}
+  ///@{
+  /// A line on the terminal says how far the run is each time so many s have gone by; 0: none.
+  vtkSetMacro(LogInterval, double);
+  vtkGetMacro(LogInterval, double);
+  ///@}
+  ///@{
+  /// An execution gives what it has found after so many s; 0: when all is found. Needs a FileName.
+  vtkSetMacro(UpdateInterval, double);
+  vtkGetMacro(UpdateInterval, double);
+  ///@}
+  ///@{
+  /// Factors are of single precision where that is safe: it takes less time, and no result changes
+  /// but for the last digits.
+  vtkSetMacro(SinglePrecisionFactors, bool);
+  vtkGetMacro(SinglePrecisionFactors, bool);
+  vtkBooleanMacro(SinglePrecisionFactors, bool);
+  ///@}
+  ///@{
+  /// Time for one solve, s; 0 is no bound.
+  vtkSetMacro(MaximumSeconds, double);
+  vtkGetMacro(MaximumSeconds, double);
+  ///@}
+  ///@{
+  /// Neighbouring ranks that factorise and solve together, 1 to the number of ranks: for bodies
+  /// that are too large for the memory of one.
+  vtkSetMacro(RanksPerSolve, int);
+  vtkGetMacro(RanksPerSolve, int);
+  ///@}
+  ///@{
+  /// Threads of a rank that solve for a large body without a factor, to 1024; 0: as many as there
+  /// are cores for it.
+  vtkSetMacro(Threads, int);
+  vtkGetMacro(Threads, int);
+  ///@}
+  ///@{
+  /// Largest error of the displacement that is carried for touching, as a share of the largest.
+  vtkSetMacro(DisplacementBound, double);
+  vtkGetMacro(DisplacementBound, double);
+  ///@}
+
+  ///@{ What the filter will take, by its properties and what its input is now.
+  /// @note Collective.
+  void UpdateEstimate();
+  vtkGetCharFromStdStringMacro(Estimate);
+  ///@}
+
+  /// Whether the space grows on; then the next update goes on, on all ranks. ParaView's window asks
+  /// rank 0 now and then (the hint LiveSource).
+  bool GetNeedsUpdate();
+
+protected:
+  vtkPalpatePrecomputeStateSpace();
+  ~vtkPalpatePrecomputeStateSpace() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  vtkMTimeType GetMTime() override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPalpatePrecomputeStateSpace(const vtkPalpatePrecomputeStateSpace&) = delete;
+  void operator=(const vtkPalpatePrecomputeStateSpace&) = delete;
+
+  std::vector<vtkIdType> ActiveNodes;
+  /// What the properties of a rigid tool ask for.
+  palpate::ContactOptions Contact(vtkPolyData* surface);
+  /// What all properties ask for, but for what is told on the way.
+  /// @param surface What this rank has of that of the tool. @note Collective.
+  palpate::PrecomputeOptions Options(vtkPolyData* surface, vtkMultiProcessController* controller);
+
+  double TipRadius = 0;
+  int Tool = 0;
+  double ToolRadius = 0.01;
+  double ToolAxis[3] = { 1, 0, 0 };
+  double ToolLength = 0.03;
+  double ContactThickness = 0;
+  double ContactStiffness = 0;
+  bool Graspable = false;
+  bool UseToolRegion = false;
+  vtkSmartPointer<vtkImplicitFunction> ToolRegion;
+  double Depth = 0.005;
+  double Spacing = 0;
+  double BeginAt[3] = { 0, 0, 0 };
+  double BodyForce[3] = { 0, 0, 0 };
+  int MaximumConfigurations = 30000;
+  double HalfWidth = 0.01;
+  int Resolution = 7;
+  double Tolerance = 0;
+  int ToleranceType = RELATIVE;
+  double ForceLimit = 0;
+  int History = AUTOMATIC;
+  int IntermediateStates = 0;
+  bool ThirdDerivatives = true;
+  std::string FileName;
+  int Keep = SURFACE;
+  double SolverTolerance = 1e-9;
+  bool SinglePrecisionFactors = true;
+  double MaximumSeconds = 0;
+  int RanksPerSolve = 1;
+  int Threads = 0;
+  double LogInterval = 10;
+  double UpdateInterval = 0;
+  double DisplacementBound = 1e-3;
+
+  std::string Estimate;
+  vtkPalpateSolveCost Cost;
+
+  /// When the last execution ended.
+  std::chrono::steady_clock::time_point LastEnd;
+
+  /// The last complete result and what it is of: the filter is also run again where a filter before
+  /// it was, though it gave the same body, as when another view of that body asks for ghost cells.
+  std::string LastOf;
+  vtkNew<vtkPartitionedDataSetCollection> Last;
+};

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A surface under MPI: each rank has a piece of it. The filters of ours work on the whole.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "PalpateSurfaceModule.h"
+#include "vtkSmartPointer.h"
+
+class vtkDataObject;
+class vtkMultiProcessController;
+class vtkPolyData;
+
+/// The points, polygons and strips of all ranks, without arrays and without what other ranks own,
+/// on rank 0; null on the others.
+/// @param piece What this rank has of it; null: nothing. @param controller The ranks; null: one.
+/// @note Collective.
+PALPATESURFACE_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateGatherSurface(
+  vtkPolyData* piece, vtkMultiProcessController* controller);
+
+/// The surfaces of several tissues as one.
+struct vtkPalpateTissueSurfaces
+{
+  /// Has the cell array vtkPalpateTissueArray with indices into the following, where there are any.
+  vtkSmartPointer<vtkPolyData> Surface;
+  std::vector<int> Numbers;       ///< of the tissues, as the user sees them
+  std::vector<std::string> Names; ///< of the tissues; empty where they have none
+  std::string Warning;            ///< what was left out, for a person
+};
+
+/// The surfaces of all ranks on rank 0; the others get none. Each input is a tissue with its place
+/// in the list as its number; so is each block of a collection, of which a partitioned data set is
+/// one. A single surface has the tissues that `array` says.
+/// @param inputs Surfaces, and collections of surfaces; the same on every rank.
+/// @param array A cell array of a single surface with a whole number for each triangle;
+/// "Automatic": `Region`, where there is one; "None": none.
+/// @param controller The ranks; null: one.
+/// @throws palpate::InputError on rank 0: a block is no surface, or the array is not there or holds
+/// something else.
+/// @note Collective.
+PALPATESURFACE_EXPORT vtkPalpateTissueSurfaces vtkPalpateGatherTissues(
+  const std::vector<vtkDataObject*>& inputs, const std::string& array,
+  vtkMultiProcessController* controller);
+
+/// The surface of rank 0, on every rank.
+/// @param surface What rank 0 has. @note Collective.
+PALPATESURFACE_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateShareSurface(
+  vtkPolyData* surface, vtkMultiProcessController* controller);

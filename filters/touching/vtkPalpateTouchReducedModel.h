@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpateTouchReducedModel
+ * @brief the surface of a body where the coordinates of its reduced model are
+ *
+ * Input: a body with its reduced model (vtkPalpateReducedModel.h).
+ *
+ * Output: the surface of the body, displaced by u = (Φ, L) y (see reduced/reduced_model.h), with
+ * the point array `Displacement` (m) and normals. The whole of it is on rank 0.
+ *
+ * What does not change with the coordinates is kept from one update to the next.
+ */
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "PalpateTouchingModule.h"
+#include "vtkPolyDataAlgorithm.h"
+
+class PALPATETOUCHING_EXPORT vtkPalpateTouchReducedModel : public vtkPolyDataAlgorithm
+{
+public:
+  static vtkPalpateTouchReducedModel* New();
+  vtkTypeMacro(vtkPalpateTouchReducedModel, vtkPolyDataAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /// y: those of the modes, √J, then those of the tools, m. None: the body is at rest.
+  void AddCoordinate(double coordinate);
+  void ClearCoordinates();
+  ///@}
+
+protected:
+  vtkPalpateTouchReducedModel();
+  ~vtkPalpateTouchReducedModel() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPalpateTouchReducedModel(const vtkPalpateTouchReducedModel&) = delete;
+  void operator=(const vtkPalpateTouchReducedModel&) = delete;
+
+  struct Prepared;
+
+  void Show(vtkPolyData* output) const;
+
+  std::vector<double> Coordinates;
+  /// Made anew when the input changes.
+  std::unique_ptr<Prepared> Cache;
+};

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpateTouchStateSpace
+ * @brief the force and the deformed surface when an active node is displaced, or a rigid tool is
+ * somewhere
+ *
+ * Input: a state space (see vtkPalpateStateSpace.h). Output: the surface of the body, deformed,
+ * with the point arrays `Displacement` (m) and `Normals`, and field arrays
+ *
+ *   `Force`      that holds the node, N; a hand feels its opposite
+ *   `Stiffness`  its derivative by the displacement, N/m, 9
+ *   `Energy`     J
+ *   `Found`      0 no, 1 inside, 2 extrapolated, 3 in a marked region (inverted or unstable)
+ *   `Outcome`    how the solves ended that it comes from, see outcome_at() and Outcome
+ *   `Branch`     which of the branches of a space with levels the body is on; 0: that of rest
+ *   `ActiveNode`, `ActivePosition` (m, displaced)
+ *
+ * Of the space of a rigid tool, which is where ToolPosition says, there are in place of the last
+ * three
+ *
+ *   `ToolPosition` of the tool's centre, m
+ *   `ContactArea`  the area at rest on which it presses, m^2
+ *   `ContactLayerForce`, `ContactMeshError`  as of vtkPalpateSolveEquilibrium
+ *
+ * and the point array `ContactPressure` (Pa). What it does to the surface is read from the file of
+ * the space, as below.
+ *
+ * With `Stress` it also has the point arrays of vtkPalpateStress.h. With `WholeBody` the second
+ * output is the body, deformed, with the point array `Displacement` and what describes the scene
+ * (see vtkPalpateScene.h), with `Stress` its cell and point arrays; else it is empty. Both read the
+ * displacement of the whole body from the file of the space, as far as it is needed where the node
+ * is; where that fails, an error tells why, once, and what depends on it is left out.
+ *
+ * In a space with levels it counts how the body came there: the node moves straight from rest to
+ * StartDisplacement and straight on to Displacement, and the body jumps from branch to branch where
+ * it has to. Or the branch is given, at the start (StartBranch) or at the end (Branch). The output
+ * depends on the input and on the properties alone, not on earlier executions.
+ *
+ * What does not depend on the displacement is kept from one execution to the next. Under MPI the
+ * result is whole on rank 0 and empty elsewhere.
+ */
+#pragma once
+
+#include <memory>
+
+#include "PalpateTouchingModule.h"
+#include "vtkPolyDataAlgorithm.h"
+
+class vtkUnstructuredGrid;
+
+namespace palpate
+{
+class Interpolator;
+struct TouchResult;
+struct TouchToolSpace;
+}
+
+class PALPATETOUCHING_EXPORT vtkPalpateTouchStateSpace : public vtkPolyDataAlgorithm
+{
+public:
+  static vtkPalpateTouchStateSpace* New();
+  vtkTypeMacro(vtkPalpateTouchStateSpace, vtkPolyDataAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// Numbers of palpate::Method.
+  enum InterpolationMethods
+  {
+    TRILINEAR = 0,
+    ENERGY_HERMITE = 4
+  };
+
+  ///@{
+  /// Id of the point of the body that is touched; -1: the rigid tool of the space, or its first
+  /// node.
+  vtkSetMacro(ActiveNode, vtkIdType);
+  vtkGetMacro(ActiveNode, vtkIdType);
+  ///@}
+  ///@{
+  /// How far it is displaced from rest, m.
+  vtkSetVector3Macro(Displacement, double);
+  vtkGetVector3Macro(Displacement, double);
+  ///@}
+  ///@{
+  /// Where the centre of a rigid tool is, m.
+  vtkSetVector3Macro(ToolPosition, double);
+  vtkGetVector3Macro(ToolPosition, double);
+  ///@}
+  ///@{
+  /// Where the node comes from, in a straight line: a displacement from rest, m.
+  vtkSetVector3Macro(StartDisplacement, double);
+  vtkGetVector3Macro(StartDisplacement, double);
+  ///@}
+  ///@{
+  /// The branch that the body is on at the start; -1: that to which it comes straight from rest.
+  vtkSetMacro(StartBranch, int);
+  vtkGetMacro(StartBranch, int);
+  ///@}
+  ///@{
+  /// The branch that the body is on; -1: that to which it comes from the start.
+  vtkSetMacro(Branch, int);
+  vtkGetMacro(Branch, int);
+  ///@}
+  ///@{
+  /// How the force is interpolated, see InterpolationMethods.
+  vtkSetMacro(Interpolation, int);
+  vtkGetMacro(Interpolation, int);
+  ///@}
+  ///@{
+  /// Whether stress and stretches are given.
+  vtkSetMacro(Stress, bool);
+  vtkGetMacro(Stress, bool);
+  vtkBooleanMacro(Stress, bool);
+  ///@}
+  ///@{
+  /// Whether the second output is the body.
+  vtkSetMacro(WholeBody, bool);
+  vtkGetMacro(WholeBody, bool);
+  vtkBooleanMacro(WholeBody, bool);
+  ///@}
+
+protected:
+  vtkPalpateTouchStateSpace();
+  ~vtkPalpateTouchStateSpace() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPalpateTouchStateSpace(const vtkPalpateTouchStateSpace&) = delete;
+  void operator=(const vtkPalpateTouchStateSpace&) = delete;
+
+  struct Prepared;
+
+  /// Fills the outputs, on the rank that has the space.
+  /// @returns Whether all that was asked for is there. Where the inside of the body is not, an
+  /// error says why, and the surface is there without.
+  bool Touch(vtkPolyData* output, vtkUnstructuredGrid* wholeBody);
+  /// The displacement of the whole body, on the rank that has the space.
+  /// @param interpolator Of the force there.
+  void FindWholeBody(const palpate::TouchToolSpace& toolSpace,
+    const palpate::Interpolator& interpolator, const double t[3]);
+  /// What follows from it: contact, stress and the second output.
+  /// @param touch What was found at t.
+  void AddWholeBody(const double t[3], const palpate::TouchResult& touch, vtkPolyData* surface,
+    vtkUnstructuredGrid* body);
+
+  vtkIdType ActiveNode = -1;
+  double Displacement[3] = { 0, 0, 0 };
+  double ToolPosition[3] = { 0, 0, 0 };
+  double StartDisplacement[3] = { 0, 0, 0 };
+  int StartBranch = -1;
+  int Branch = -1;
+  int Interpolation = ENERGY_HERMITE;
+  bool Stress = false;
+  bool WholeBody = false;
+  /// The space as it is touched; made anew when the input changes.
+  std::unique_ptr<Prepared> Cache;
+};
