@@ -11,7 +11,7 @@
 #include "haptic/touching/pressing_range.h"
 #include "haptic/transport/open_device.h"
 #include "haptic/transport/simulated_board.h"
-#include "state_space/state_space_file.h"
+#include "storage/stored_touch_space.h"
 
 using namespace palpate;
 using namespace std::chrono_literals;

@@ -11,7 +11,7 @@
 #include "base/content_hash.h"
 #include "base/error.h"
 #include "exploration/precompute.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImplicitFunction.h"

@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "base/memory_error.h"
-#include "state_space/schema.h"
+#include "storage/schema.h"
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"

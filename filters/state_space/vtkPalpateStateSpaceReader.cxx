@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "state_space/state_space_file.h"
 #include "state_space/touch_space.h"
+#include "storage/state_space_file.h"
+#include "storage/stored_touch_space.h"
 #include "vtkFieldData.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"

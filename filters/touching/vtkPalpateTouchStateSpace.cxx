@@ -17,6 +17,7 @@
 #include "interpolation/interpolator.h"
 #include "interpolation/outcome_at.h"
 #include "interpolation/solution_branches.h"
+#include "storage/field_cache.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"

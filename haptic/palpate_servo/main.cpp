@@ -27,7 +27,7 @@
 #include "haptic/palpate_servo/devices.h"
 #include "haptic/palpate_servo/reduced.h"
 #include "haptic/palpate_servo/space.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "haptic/touching/pressing_range.h"
 #include "reduced/reduced_model.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 

@@ -16,6 +16,7 @@
 #include "haptic/recording/replay.h"
 #include "haptic/servo/servo.h"
 #include "haptic/touching/pressing_range.h"
+#include "storage/stored_touch_space.h"
 
 namespace palpate {
 namespace {

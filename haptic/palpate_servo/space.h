@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "haptic/palpate_servo/command_line.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 

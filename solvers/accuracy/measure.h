@@ -20,9 +20,9 @@
 #include <vector>
 
 #include "interpolation/interpolator.h"
-#include "state_space/field_cache.h"
 #include "state_space/test_point.h"
 #include "state_space/touch_space.h"
+#include "storage/field_cache.h"
 
 namespace palpate {
 

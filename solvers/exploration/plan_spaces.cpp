@@ -13,7 +13,7 @@
 #include "exploration/start_graph.h"
 #include "interaction/bonded_patch.h"
 #include "mesh/resolved_length.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
-#include "state_space/pod.h"
+#include "fields/pod.h"
 
 namespace palpate {
 

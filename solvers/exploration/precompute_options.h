@@ -12,6 +12,7 @@
 #include "equilibrium/options.h"
 #include "exploration/contact_shell.h"
 #include "exploration/exploration_estimate.h"
+#include "fields/reduced_fields.h"
 #include "interaction/rigid_tool.h"
 #include "state_space/tool_space.h"
 #include "state_space/touch_space.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "schedule/communicator.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 

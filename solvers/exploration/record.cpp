@@ -12,6 +12,8 @@
 #include "exploration/rank_files.h"
 #include "exploration/reduction.h"
 #include "exploration/transfer.h"
+#include "fields/make_touch_space.h"
+#include "storage/stored_touch_space.h"
 
 namespace palpate {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "schedule/communicator.h"
-#include "state_space/state_space_file.h"
 #include "state_space/touch_space.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 

@@ -14,8 +14,8 @@
 #include <memory>
 #include <vector>
 
+#include "fields/packed_basis.h"
 #include "schedule/communicator.h"
-#include "state_space/packed_basis.h"
 #include "state_space/tool_space.h"
 
 namespace palpate {

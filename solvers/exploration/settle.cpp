@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/printable.h"
 #include "exploration/transfer.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 namespace {

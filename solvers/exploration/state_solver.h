@@ -11,8 +11,8 @@
 #include "base/error.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/inner_extension.h"
+#include "fields/reduced_fields.h"
 #include "interaction/interaction_spec.h"
-#include "state_space/reduced_fields.h"
 #include "state_space/tool_space.h"
 
 namespace palpate {

@@ -15,9 +15,9 @@
 
 #include "assembly/scene.h"
 #include "base/error.h"
+#include "fields/packed_basis.h"
 #include "schedule/communicator.h"
 #include "state_space/configuration.h"
-#include "state_space/packed_basis.h"
 #include "state_space/test_point.h"
 #include "state_space/tool_space.h"
 

@@ -40,7 +40,7 @@ void BodyField::add_node(std::int32_t node, double a, const Vec3& d, Weights& we
                       });
 }
 
-Support BodyField::evaluate(const Vec3& t, FieldCache& fields, Keep needed, NodalVector& u,
+Support BodyField::evaluate(const Vec3& t, FieldSource& fields, Keep needed, NodalVector& u,
                             NodalVector& p) const {
   u.resize(0);
   p.resize(0);
@@ -56,7 +56,7 @@ Support BodyField::evaluate(const Vec3& t, FieldCache& fields, Keep needed, Noda
   // A body at rest takes the sizes of its fields from any configuration that has them.
   if (weights.empty() && any_touching_ >= 0) weights[any_touching_] = {};
   if (weights.empty()) return Support::none;
-  std::vector<FieldCache::Share> shares;
+  std::vector<FieldShare> shares;
   for (const auto& [configuration, weight] : weights) {
     shares.push_back(
         {configurations_[static_cast<std::size_t>(configuration)], weight.a, weight.d});

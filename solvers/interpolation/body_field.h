@@ -7,8 +7,8 @@
 
 #include <map>
 
+#include "fields/field_source.h"
 #include "interpolation/interpolator.h"
-#include "state_space/field_cache.h"
 
 namespace palpate {
 
@@ -23,14 +23,14 @@ class BodyField {
   ///   rigid tool takes a while.
   BodyField(const TouchToolSpace& tool_space, CheckPointGrid grid);
 
-  /// @param fields The fields in the file of the space. Those that are needed at t are read if they
-  ///   are not in memory.
+  /// @param fields Those of the space, such as a FieldCache: what is needed at t is read if it is
+  ///   not in memory.
   /// @param needed The points whose displacement is needed; that of other points may be zero.
   /// @param u Displacement [3 × num_points], m.
   /// @param p Pressures [num_pressures], Pa; empty if the body has none. Both u and p are empty if
   ///   the support is `none`, or if no configuration of the tool space touches the body.
-  /// @throws InputError, BackendError as FieldCache::add_up.
-  Support evaluate(const Vec3& t, FieldCache& fields, Keep needed, NodalVector& u,
+  /// @throws InputError, BackendError as FieldSource::add_up.
+  Support evaluate(const Vec3& t, FieldSource& fields, Keep needed, NodalVector& u,
                    NodalVector& p) const;
 
  private:

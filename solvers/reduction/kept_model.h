@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A reduced model with its errors, kept in a state-space file (state_space/state_space_file.h). A
+// A reduced model with its errors, kept in a state-space file (storage/state_space_file.h). A
 // complete model in the file is read; an unfinished training is resumed.
 //
 // Besides the arrays of reduced/model_arrays.h, a model has in the file

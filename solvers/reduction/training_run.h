@@ -10,7 +10,7 @@
 
 #include "reduction/training.h"
 #include "schedule/communicator.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 

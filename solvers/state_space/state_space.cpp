@@ -38,6 +38,17 @@ const ToolSpace* StateSpace::find(ToolSpaceId id) const {
   return found != tool_spaces.end() && found->setup.id == id ? &*found : nullptr;
 }
 
+std::string describe(const CheckPoint& c) {
+  return '(' + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " + std::to_string(c[2]) +
+         ')';
+}
+
+std::string describe(const ConfigurationSummary& summary, const std::string& tool_space) {
+  return "configuration " + describe(summary.check_point) +
+         (summary.level != 0 ? " of level " + std::to_string(summary.level) : "") + " of " +
+         tool_space;
+}
+
 void sort(StateSpace& space) {
   std::sort(space.tool_spaces.begin(), space.tool_spaces.end(),
             [](const ToolSpace& a, const ToolSpace& b) { return a.setup.id < b.setup.id; });

@@ -45,6 +45,12 @@ struct StateSpace {
   [[nodiscard]] const ToolSpace* find(ToolSpaceId id) const;
 };
 
+/// "(1, 0, -1)"
+[[nodiscard]] std::string describe(const CheckPoint& check_point);
+/// "configuration (1, 0, -1) of active node 8", which is the tool space's name.
+[[nodiscard]] std::string describe(const ConfigurationSummary& summary,
+                                   const std::string& tool_space);
+
 /// Brings tool spaces, configurations and intermediate states of a space into their order.
 void sort(StateSpace& space);
 

@@ -9,13 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "state_space/reduced_fields.h"
 #include "state_space/state_space.h"
 #include "state_space/surface.h"
 
 namespace palpate {
-
-class StateSpaceFile;
 
 /// How far the tool at coordinates q [3], m, may be moved in any direction without touching the
 /// body at rest, at the least, m; not positive: it may touch it there. Empty: it always acts.
@@ -28,8 +25,8 @@ struct TouchToolSpace {
   std::vector<ConfigurationSummary> configurations;
   /// These are in the order of operator<; empty where the tool space has none.
   std::vector<IntermediateState> intermediate_states;
-  /// Modes of the surface displacement [3 × surface points, r], see reduced_fields.h; that of a
-  /// rigid tool has none here.
+  /// Modes of the surface displacement [3 × surface points, r], see fields/reduced_fields.h; that
+  /// of a rigid tool has none here.
   Eigen::MatrixXf modes;
   /// c of the surface displacement u ≈ modes · c [r × num_configurations], m; 0 where a
   /// configuration is not usable.
@@ -69,32 +66,5 @@ struct TouchSpace {
 /// The touch space of a scene, without tool spaces yet.
 /// @param scene_hash hash(scene).
 [[nodiscard]] TouchSpace make_empty_touch_space(const Scene& scene, const std::string& scene_hash);
-
-/// Adds a tool space.
-/// @param configurations All, in their order.
-/// @param basis For those of an active node; ignored for a rigid tool. Null: nothing is shown.
-/// @param fields By the modes of the basis, for each configuration that is usable; one that is null
-///   is left out. Empty where there is no basis.
-/// @throws InputError an active node that is no point of the body; as add_clearance().
-void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
-                    const std::vector<ConfigurationSummary>& configurations,
-                    std::vector<IntermediateState> intermediate_states, const FieldBasis* basis,
-                    const std::vector<const ReducedFields*>& fields, TouchSpace& space);
-
-/// Makes the touch space of a state space.
-/// @param space It has u and v of every usable configuration.
-/// @param bound Of a surface point's error, as a share of the largest displacement.
-/// @throws InputError u or v is missing or not finite, or the bound is out of range.
-[[nodiscard]] TouchSpace make_touch_space(const StateSpace& space,
-                                          double bound = kDefaultTouchBound);
-
-/// Does the same from a file, with the fields of a batch of configurations in memory at a time.
-/// Where the file has modes, these are taken, and the bound does not matter. Configurations whose
-/// fields are damaged or not finite are left out.
-[[nodiscard]] TouchSpace make_touch_space(const StateSpaceFile& file,
-                                          double bound = kDefaultTouchBound);
-
-/// Does the same without modes, for a program that feels and does not show: no field is read.
-[[nodiscard]] TouchSpace make_touch_space_without_modes(const StateSpaceFile& file);
 
 }  // namespace palpate

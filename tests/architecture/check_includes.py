@@ -64,7 +64,8 @@ class Unit(NamedTuple):
 # The parts of solvers/ in order: each may include those before it.
 SOLVER_PARTS = ["base", "threads", "mesh", "materials", "reduced", "elements", "assembly",
                 "interaction", "linear", "iterative", "equilibrium", "dynamics",
-                "state_space", "interpolation", "schedule", "exploration", "reduction", "accuracy"]
+                "state_space", "fields", "interpolation", "storage", "schedule", "exploration",
+                "reduction", "accuracy"]
 
 
 def solver_units():
@@ -73,7 +74,8 @@ def solver_units():
         "threads": {"OpenMP", "POSIX"},
         "assembly": {"xxHash"},  # the hash of a scene
         "linear": {"MUMPS", "METIS", "MPI", "POSIX"},
-        "state_space": {"SQLite", "xxHash", "zlib", "POSIX"},
+        "fields": {"zlib"},
+        "storage": {"SQLite", "xxHash", "POSIX"},
         "schedule": {"MPI"},
         "reduction": {"xxHash"},  # what a model follows from
     }
@@ -90,13 +92,16 @@ def solver_units():
 def haptic_units():
     """The parts of haptic/ in order, as those of solvers/, with the programs."""
     solvers = {"solvers/base", "solvers/mesh", "solvers/materials", "solvers/reduced",
-               "solvers/state_space", "solvers/interpolation"}
+               "solvers/state_space", "solvers/fields", "solvers/interpolation"}
+    # The program reads a file; what runs beside it only has what was read.
+    further = {"palpate_servo": {"solvers/storage"}}
     wrapped = {"transport": {"hidapi"}, "recording": {"CSV"}, "palpate_servo": {"CLI11"}}
     parts = ["realtime", "profile", "guardian", "palpate_guardian", "transport", "touching",
              "simulating", "servo", "recording", "palpate_servo"]
     return {
         f"haptic/{part}": Unit({"std", "POSIX", "Eigen"} | wrapped.get(part, set()),
-                               {f"haptic/{earlier}" for earlier in parts[:index]} | solvers)
+                               {f"haptic/{earlier}" for earlier in parts[:index]} | solvers
+                               | further.get(part, set()))
         for index, part in enumerate(parts)
     }
 
@@ -144,7 +149,7 @@ UNITS = solver_units() | haptic_units() | filter_units() | {
                                      {"filters", "haptic"}),
     # What somebody else's program would be.
     "examples": Unit({"std", "Eigen"}, {"haptic", "solvers/base", "solvers/state_space",
-                                        "solvers/interpolation"}),
+                                        "solvers/interpolation", "solvers/storage"}),
     "tests": Unit({name for name, _ in LIBRARIES}, {"solvers", "haptic", "filters", "plugin"}),
 }
 
@@ -156,6 +161,7 @@ THROUGH_HEADERS = [
     ("plugin", "solvers", "filters and servo take and give the solvers' values"),
     ("examples", "solvers/assembly", "as haptic"),
     ("examples", "solvers/interaction", "as haptic"),
+    ("examples", "solvers/fields", "a touch space is made of the fields of a file"),
     ("examples", "solvers/materials", "those of the Scene"),
     ("examples", "solvers/mesh", "that of the Scene, and the trees of a Touchable"),
     ("examples", "solvers/reduced", "a servo loop steps reduced bodies too"),

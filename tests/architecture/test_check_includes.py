@@ -12,6 +12,7 @@ from check_includes import check_tree, module_of
 HEADERS = [
     "solvers/base/error.h", "solvers/mesh/tet_mesh.h", "solvers/linear/linear_solver.h",
     "solvers/interpolation/interpolation.h", "solvers/state_space/state_space.h",
+    "solvers/storage/state_space_file.h",
     "haptic/profile/report.h", "haptic/servo/servo.h", "filters/common/vtkPalpateGuard.h",
     "filters/surface/vtkPalpateSurface.h", "filters/scene/vtkPalpateScene.h",
     "filters/programs/tetgen/stream.h", "solvers/reduced/reduced_body.h",
@@ -51,7 +52,7 @@ class AllowedTest(unittest.TestCase):
         self.check("solvers/base/a.h", "<Eigen/Core>")
         self.check("solvers/linear/a.cpp", "<dmumps_c.h>", "<mpi.h>")
         self.check("solvers/schedule/a.cpp", "<mpi.h>")
-        self.check("solvers/state_space/a.cpp", "<sqlite3.h>")
+        self.check("solvers/storage/a.cpp", "<sqlite3.h>")
         self.check("filters/programs/tetgen/main.cpp", "<tetgen.h>", '"stream.h"',
                    '"program/limit.h"')
         self.check("filters/programs/image/main.cpp", "<itkNrrdImageIO.h>", "<NrrdIO.h>",
@@ -61,6 +62,7 @@ class AllowedTest(unittest.TestCase):
         self.check("haptic/servo/a.cpp", '"haptic/profile/report.h"',
                    '"interpolation/interpolation.h"')
         self.check("haptic/transport/a.cpp", "<hidapi/hidapi.h>", '"haptic/profile/report.h"')
+        self.check("haptic/palpate_servo/a.cpp", '"storage/state_space_file.h"')
 
     def test_haptic_computes_with_reduced_bodies(self):
         self.check("haptic/simulating/a.cpp", '"reduced/reduced_body.h"')
@@ -104,6 +106,11 @@ class ForbiddenTest(unittest.TestCase):
     def test_simulating_knows_no_servo_loop(self):
         self.check("haptic/simulating/a.cpp", '"haptic/servo/servo.h"',
                    "haptic/servo/servo.h: haptic/simulating may not include haptic/servo")
+
+    def test_interpolation_and_touching_know_no_file(self):
+        for folder in ("solvers/interpolation", "haptic/touching"):
+            self.check(f"{folder}/a.cpp", '"storage/state_space_file.h"',
+                       f"storage/state_space_file.h: {folder} may not include solvers/storage")
 
     def test_haptic_reduces_nothing(self):
         self.check("haptic/servo/a.cpp", '"reduction/nnls.h"',

@@ -46,7 +46,7 @@
 #include "interpolation/interpolator.h"
 #include "interpolation/passivity_figures.h"
 #include "schedule/mpi_communicator.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 namespace {

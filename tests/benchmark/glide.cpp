@@ -18,7 +18,8 @@
 #include "haptic/support/glide.h"
 #include "haptic/transport/simulated_hand.h"
 #include "interpolation/passivity_figures.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
+#include "storage/stored_touch_space.h"
 
 namespace palpate {
 namespace {

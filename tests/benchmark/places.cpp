@@ -26,7 +26,7 @@
 #include "reduction/kept_model.h"
 #include "reduction/measure_model.h"
 #include "reduction/tool_places.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 namespace {

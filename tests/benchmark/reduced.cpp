@@ -31,7 +31,7 @@
 #include "reduction/path_error.h"
 #include "reduction/random_path.h"
 #include "reduction/training.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 namespace {

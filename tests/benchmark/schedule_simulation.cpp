@@ -27,7 +27,7 @@
 #include "base/error.h"
 #include "solvers/support/forest.h"
 #include "solvers/support/replay.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 namespace {

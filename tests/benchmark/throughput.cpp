@@ -25,7 +25,7 @@
 #include "exploration/precompute.h"
 #include "exploration/transfer.h"
 #include "schedule/mpi_communicator.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 namespace {

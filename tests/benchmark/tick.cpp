@@ -29,7 +29,8 @@
 #include "haptic/profile/palpate_report.h"
 #include "haptic/servo/loop.h"
 #include "haptic/support/analytic_body.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
+#include "storage/stored_touch_space.h"
 
 namespace palpate {
 namespace {

@@ -39,7 +39,7 @@
 #include "exploration/precompute.h"
 #include "interaction/bonded_patch.h"
 #include "interpolation/interpolator.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 namespace {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "fields/make_touch_space.h"
 #include "solvers/state_space/example_space.h"
 #include "vtkFieldData.h"
 #include "vtkNew.h"

@@ -12,7 +12,7 @@
 #include "solvers/support/communicators.h"
 #include "solvers/support/setup.h"
 #include "solvers/support/world_folder.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate::test::test_exact {
 namespace {

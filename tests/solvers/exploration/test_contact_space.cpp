@@ -17,7 +17,7 @@
 #include "solvers/support/communicators.h"
 #include "solvers/support/message_of.h"
 #include "solvers/support/world_folder.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate::test::test_contact_space {
 namespace {

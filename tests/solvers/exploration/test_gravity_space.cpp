@@ -22,9 +22,10 @@
 #include "solvers/support/communicators.h"
 #include "solvers/support/message_of.h"
 #include "solvers/support/world_folder.h"
-#include "state_space/field_cache.h"
-#include "state_space/sqlite.h"
-#include "state_space/state_space_file.h"
+#include "storage/field_cache.h"
+#include "storage/sqlite.h"
+#include "storage/state_space_file.h"
+#include "storage/stored_touch_space.h"
 
 namespace palpate::test::test_gravity_space {
 namespace {

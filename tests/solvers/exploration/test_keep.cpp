@@ -11,8 +11,8 @@
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
 #include "solvers/support/world_folder.h"
-#include "state_space/field_cache.h"
-#include "state_space/state_space_file.h"
+#include "storage/field_cache.h"
+#include "storage/state_space_file.h"
 
 namespace palpate::test::test_keep {
 namespace {

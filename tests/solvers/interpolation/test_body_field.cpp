@@ -11,7 +11,8 @@
 #include "solvers/interpolation/analytic_space.h"
 #include "solvers/interpolation/contact_space.h"
 #include "solvers/state_space/example_space.h"
-#include "state_space/state_space_file.h"
+#include "storage/field_cache.h"
+#include "storage/state_space_file.h"
 
 namespace palpate::test::test_body_field {
 namespace {

@@ -21,10 +21,11 @@
 #include "solvers/state_space/example_space.h"
 #include "solvers/support/message_of.h"
 #include "solvers/support/seal.h"
-#include "state_space/field_cache.h"
-#include "state_space/sqlite.h"
-#include "state_space/state_space_file.h"
 #include "state_space/touch_space.h"
+#include "storage/field_cache.h"
+#include "storage/sqlite.h"
+#include "storage/state_space_file.h"
+#include "storage/stored_touch_space.h"
 
 namespace palpate::test::test_forged_files {
 namespace {

@@ -19,7 +19,7 @@
 #include "solvers/support/communicators.h"
 #include "solvers/support/supported.h"
 #include "solvers/support/world_folder.h"
-#include "state_space/sqlite.h"
+#include "storage/sqlite.h"
 
 namespace palpate::test::test_kept_model {
 namespace {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "materials/material.h"
-#include "state_space/rows.h"
-#include "state_space/sqlite.h"
+#include "storage/rows.h"
+#include "storage/sqlite.h"
 
 namespace palpate::test {
 namespace {

@@ -19,7 +19,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 #include "solvers/support/communicators.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate::test::test_levels {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "solvers/state_space/example_space.h"
-#include "state_space/sqlite.h"
+#include "storage/sqlite.h"
 
 namespace palpate::test::test_rank_files {
 namespace {

@@ -47,7 +47,7 @@
 #include <utility>
 #include <vector>
 
-#include "state_space/packed_basis.h"
+#include "fields/packed_basis.h"
 #include "state_space/state_space.h"
 #include "state_space/test_point.h"
 

@@ -16,12 +16,12 @@
 #include <string>
 #include <vector>
 
-#include "state_space/blob_sizes.h"
-#include "state_space/packed_basis.h"
-#include "state_space/reduced_fields.h"
-#include "state_space/sqlite.h"
+#include "fields/packed_basis.h"
+#include "fields/reduced_fields.h"
 #include "state_space/state_space.h"
 #include "state_space/test_point.h"
+#include "storage/blob_sizes.h"
+#include "storage/sqlite.h"
 
 namespace palpate::rows {
 
@@ -297,11 +297,6 @@ template <class OfConfiguration>
 /// Whether an array of such a size has so many bytes.
 [[nodiscard]] bool is_possible(const ReducedArrayRow& row, std::int64_t bytes);
 
-/// "(1, 0, −1)"
-[[nodiscard]] std::string describe(const CheckPoint& check_point);
-/// "configuration (1, 0, −1) of active node 8", which is the tool space's name.
-[[nodiscard]] std::string describe(const ConfigurationSummary& summary,
-                                   const std::string& tool_space);
 [[nodiscard]] std::string describe(const LevelTransition& transition,
                                    const std::string& tool_space);
 [[nodiscard]] std::string describe(const IntermediateState& state, const std::string& tool_space);

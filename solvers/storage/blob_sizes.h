@@ -10,9 +10,9 @@
 #include <cstring>
 #include <vector>
 
-#include "state_space/packed_basis.h"
-#include "state_space/sqlite.h"
+#include "fields/packed_basis.h"
 #include "state_space/test_point.h"
+#include "storage/sqlite.h"
 
 namespace palpate::blobs {
 

@@ -13,7 +13,7 @@
 #include <optional>
 #include <vector>
 
-#include "state_space/reduced_fields.h"
+#include "fields/reduced_fields.h"
 
 namespace palpate {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tables of a state-space file, see state_space/state_space_file.h.
+// The tables of a state-space file, see storage/state_space_file.h.
 //
 // Files of versions 5 to 8 are read too. Those before version 9 have no reduced fields, and no
 // tables "basis" and "mode". In versions 5 and 6 there a table "site" is in place of "tool_space"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "state_space/packed_basis.h"
+#include "fields/packed_basis.h"
 
 #include <gtest/gtest.h>
 

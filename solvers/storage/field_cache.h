@@ -11,12 +11,13 @@
 #include <vector>
 
 #include "assembly/scene.h"
-#include "state_space/state_space_file.h"
+#include "fields/field_source.h"
 #include "state_space/tool_space.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 
-class FieldCache {
+class FieldCache : public FieldSource {
  public:
   static constexpr std::size_t default_bytes = std::size_t{256} << 20;
 
@@ -29,24 +30,12 @@ class FieldCache {
   /// @throws InputError, BackendError as get() does.
   [[nodiscard]] Scene read_scene() const;
 
-  /// A configuration's share of a field: a u + v d.
-  struct Share {
-    ConfigurationSummary configuration;
-    double a = 0;
-    /// m.
-    Vec3 d = Vec3::Zero();
-  };
-  /// Adds up shares of the fields of a tool space's configurations, counted from the body at rest
-  /// (Scene::settled). The file is open only while
-  /// something is read from it.
-  /// @param needed The points whose displacement is needed; that of others may be zero.
-  /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a
-  ///   body without, and where they are not needed.
+  /// The file is open only while something is read from it.
   /// @throws InputError the file is missing or damaged, or was replaced: it is of another scene or
   ///   grid, or lacks one of the configurations; or it keeps less than what is needed.
   /// @throws BackendError as StateSpaceFile does.
-  void add_up(const ToolSpaceSetup& setup, const std::vector<Share>& shares, Keep needed,
-              NodalVector& u, NodalVector& p);
+  void add_up(const ToolSpaceSetup& setup, const std::vector<FieldShare>& shares, Keep needed,
+              NodalVector& u, NodalVector& p) override;
 
  private:
   struct Entry {

@@ -15,9 +15,9 @@
 #include <memory>
 #include <vector>
 
+#include "fields/pod.h"
 #include "mesh/tet_mesh.h"
 #include "state_space/configuration.h"
-#include "state_space/pod.h"
 #include "state_space/surface.h"
 
 namespace palpate {

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "state_space/sqlite.h"
+#include "storage/sqlite.h"
 
 namespace palpate {
 

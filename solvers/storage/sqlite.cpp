@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "state_space/sqlite.h"
+#include "storage/sqlite.h"
 
 #include <sqlite3.h>
 

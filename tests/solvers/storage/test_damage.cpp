@@ -12,12 +12,13 @@
 
 #include "base/error.h"
 #include "solvers/state_space/example_space.h"
-#include "state_space/field_cache.h"
-#include "state_space/rows.h"
-#include "state_space/schema.h"
-#include "state_space/sqlite.h"
-#include "state_space/state_space_file.h"
 #include "state_space/touch_space.h"
+#include "storage/field_cache.h"
+#include "storage/rows.h"
+#include "storage/schema.h"
+#include "storage/sqlite.h"
+#include "storage/state_space_file.h"
+#include "storage/stored_touch_space.h"
 
 namespace palpate::test::test_damage {
 namespace {

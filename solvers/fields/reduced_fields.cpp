@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "state_space/reduced_fields.h"
+#include "fields/reduced_fields.h"
 
 #include <algorithm>
 #include <cmath>

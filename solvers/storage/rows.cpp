@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "state_space/rows.h"
+#include "storage/rows.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -349,26 +349,15 @@ bool is_possible(const ReducedArrayRow& row, std::int64_t bytes) {
          bytes % number == 0;
 }
 
-std::string describe(const CheckPoint& c) {
-  return '(' + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " + std::to_string(c[2]) +
-         ')';
-}
-
-std::string describe(const ConfigurationSummary& summary, const std::string& tool_space) {
-  return "configuration " + describe(summary.check_point) +
-         (summary.level != 0 ? " of level " + std::to_string(summary.level) : "") + " of " +
-         tool_space;
-}
-
 std::string describe(const LevelTransition& transition, const std::string& tool_space) {
-  return "transition from " + describe(transition.start) + " of level " +
-         std::to_string(transition.start_level) + " to " + describe(transition.target) + " of " +
-         tool_space;
+  return "transition from " + palpate::describe(transition.start) + " of level " +
+         std::to_string(transition.start_level) + " to " + palpate::describe(transition.target) +
+         " of " + tool_space;
 }
 
 std::string describe(const IntermediateState& state, const std::string& tool_space) {
   return "intermediate state " + std::to_string(state.number) + " on the way to " +
-         describe(state.target) + " of " + tool_space;
+         palpate::describe(state.target) + " of " + tool_space;
 }
 
 std::string describe(const TestPoint& point, const std::string& tool_space) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "state_space/pod.h"
+#include "fields/pod.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "state_space/schema.h"
+#include "storage/schema.h"
 
 #include <algorithm>
 #include <cctype>
@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/printable.h"
-#include "state_space/schema.sql.h"
+#include "storage/schema.sql.h"
 
 namespace palpate {
 namespace {
@@ -69,8 +69,6 @@ constexpr char kBodyForce[] = "body_force";
 constexpr char kBoundary[] = "boundary_array";
 /// And where a rigid tool has an offset.
 constexpr char kContactOffset[] = "contact_offset";
-
-std::string quoted(const Database& database) { return palpate::quoted(database.path()); }
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
@@ -144,7 +142,7 @@ bool has_table(const Database& database, const std::string& name) {
 }
 
 [[noreturn]] void refuse(const Database& database, const std::string& what) {
-  throw InputError(quoted(database) + " is not as Palpate makes its files: " + what +
+  throw InputError(quoted(database.path()) + " is not as Palpate makes its files: " + what +
                    ". It may have been changed on purpose: take a copy that you trust.");
 }
 
@@ -180,13 +178,14 @@ void make_contact_offset_schema(const Database& database) {
 
 std::int64_t check_schema(const Database& database) {
   if (database.integer("PRAGMA application_id") != kApplicationId) {
-    throw InputError(quoted(database) + " is an SQLite file of another program, not a Palpate " +
+    throw InputError(quoted(database.path()) +
+                     " is an SQLite file of another program, not a Palpate " +
                      "state space. Give another file name.");
   }
   const std::int64_t version = database.integer("PRAGMA user_version");
   if (version < kOldestSchemaVersion || version > kSchemaVersion) {
     throw InputError(
-        quoted(database) + " has version " + std::to_string(version) +
+        quoted(database.path()) + " has version " + std::to_string(version) +
         " of the schema; this program knows versions " + std::to_string(kOldestSchemaVersion) +
         " to " + std::to_string(kSchemaVersion) + ". " +
         (version > kSchemaVersion ? "Use a newer Palpate." : "Compute the state space again."));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "state_space/field_cache.h"
+#include "storage/field_cache.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,19 +9,19 @@
 #include <utility>
 
 #include "base/error.h"
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 namespace {
 
 /// Spacings that differ by less than this share, and origins by less than this share of a spacing,
 /// are equal but for rounding.
-constexpr double kSpacingRounding = 1e-9;
+constexpr double kGridRounding = 1e-9;
 
 bool is_same_grid(const ToolSpaceSetup& a, const ToolSpaceSetup& b) {
   return a.interaction == b.interaction &&
-         std::abs(a.grid.spacing() - b.grid.spacing()) <= kSpacingRounding * a.grid.spacing() &&
-         (a.grid.origin - b.grid.origin).norm() <= kSpacingRounding * a.grid.spacing();
+         std::abs(a.grid.spacing() - b.grid.spacing()) <= kGridRounding * a.grid.spacing() &&
+         (a.grid.origin - b.grid.origin).norm() <= kGridRounding * a.grid.spacing();
 }
 
 template <class Fields>
@@ -56,11 +56,11 @@ void add(const Eigen::VectorXf& f, const Eigen::MatrixXf& g, double a, const Vec
 
 }  // namespace
 
-void FieldCache::add_up(const ToolSpaceSetup& setup, const std::vector<Share>& shares, Keep needed,
-                        NodalVector& u, NodalVector& p) {
+void FieldCache::add_up(const ToolSpaceSetup& setup, const std::vector<FieldShare>& shares,
+                        Keep needed, NodalVector& u, NodalVector& p) {
   ++uses_;
   std::vector<ConfigurationSummary> missing;
-  for (const Share& share : shares) {
+  for (const FieldShare& share : shares) {
     const auto found = entries_.find(key_of(setup.id, share.configuration));
     if (found == entries_.end()) {
       missing.push_back(share.configuration);
@@ -75,7 +75,7 @@ void FieldCache::add_up(const ToolSpaceSetup& setup, const std::vector<Share>& s
   u.setZero(3 * static_cast<Eigen::Index>(points_.at(Keep::all).size()));
   p.resize(0);
   std::map<const FieldBasis*, Coefficients> reduced;
-  for (const Share& share : shares) {
+  for (const FieldShare& share : shares) {
     const StoredFields& fields = entries_.at(key_of(setup.id, share.configuration)).fields;
     if (fields.basis == nullptr) {
       const Configuration& whole = fields.whole;

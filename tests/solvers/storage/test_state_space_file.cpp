@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "state_space/schema.h"
-#include "state_space/sqlite.h"
-#include "state_space/state_space_file.h"
+#include "storage/schema.h"
+#include "storage/sqlite.h"
+#include "storage/state_space_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "state_space/state_space_file.h"
+#include "storage/state_space_file.h"
 
 #include <algorithm>
 #include <array>
@@ -22,10 +22,10 @@
 #include "base/join.h"
 #include "base/new_file.h"
 #include "base/printable.h"
-#include "state_space/blob_sizes.h"
-#include "state_space/rows.h"
-#include "state_space/schema.h"
-#include "state_space/sqlite.h"
+#include "storage/blob_sizes.h"
+#include "storage/rows.h"
+#include "storage/schema.h"
+#include "storage/sqlite.h"
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "The blobs of a state space are little-endian and are written as they lie in memory."
@@ -578,7 +578,7 @@ void StateSpaceFile::Impl::for_each_row(const std::string& table, const std::str
       }
     } catch (const InputError&) {
     }
-    leave_out("a row of the table " + table + " at " + rows::describe(check_point) + " of " +
+    leave_out("a row of the table " + table + " at " + describe(check_point) + " of " +
                   number_of(tool_space),
               table, row);
   }
@@ -1419,7 +1419,7 @@ void StateSpaceFile::add_alone(ToolSpaceId tool_space, const Configuration& conf
   if (is_single) single = rows::single_fields_of(configuration);
   const rows::Fields fields = is_single ? rows::fields_of(single) : rows::fields_of(configuration);
   if (!impl_->fit(fields)) {
-    throw InputError("Configuration " + rows::describe(configuration.check_point) + " of " +
+    throw InputError("Configuration " + describe(configuration.check_point) + " of " +
                      name_of(tool_space) + " has fields of another size than the body of " +
                      std::to_string(impl_->num_points) + " points.");
   }
@@ -1453,7 +1453,7 @@ std::vector<Configuration> StateSpaceFile::read_where(ToolSpaceId tool_space,
             rows::is_possible(space->setup.grid, c)) {
           return;
         }
-        impl_->leave_out(rows::describe(c, space->setup.name()), "configuration", row);
+        impl_->leave_out(describe(c, space->setup.name()), "configuration", row);
         configurations.pop_back();
       },
       [&] { configurations.clear(); });
@@ -1699,7 +1699,7 @@ bool StateSpaceFile::read_fields(ToolSpaceId tool_space, Configuration& configur
 
 bool StateSpaceFile::read_stored(ToolSpaceId tool_space, const ConfigurationSummary& configuration,
                                  StoredFields& stored) const {
-  const auto which = [&] { return rows::describe(configuration, name_of(tool_space)); };
+  const auto which = [&] { return describe(configuration, name_of(tool_space)); };
   std::shared_ptr<const FieldBasis> basis;
   for (Impl::StoredBasis& of_space : impl_->bases_of(tool_space)) {
     if (of_space.row.basis.box.contains(configuration.check_point)) {

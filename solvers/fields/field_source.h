@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The fields of configurations where they are needed one by one: of the whole body, while it is
+// touched. They are in a file, which what interpolates does not know.
+#pragma once
+
+#include <vector>
+
+#include "base/types.h"
+#include "fields/reduced_fields.h"
+#include "state_space/tool_space.h"
+
+namespace palpate {
+
+/// A configuration's share of a field: a u + v d.
+struct FieldShare {
+  ConfigurationSummary configuration;
+  double a = 0;
+  /// m.
+  Vec3 d = Vec3::Zero();
+};
+
+class FieldSource {
+ public:
+  virtual ~FieldSource() = default;
+
+  /// Adds up shares of the fields of a tool space's configurations, counted from the body at rest
+  /// (Scene::settled).
+  /// @param needed The points whose displacement is needed; that of others may be zero.
+  /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a
+  ///   body without, and where they are not needed.
+  /// @throws InputError, BackendError the fields are missing, or less of them is kept than is
+  ///   needed.
+  virtual void add_up(const ToolSpaceSetup& setup, const std::vector<FieldShare>& shares,
+                      Keep needed, NodalVector& u, NodalVector& p) = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Makes the part of a state space that touching needs, with the displacement of the surface by
+// modes.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "fields/reduced_fields.h"
+#include "state_space/touch_space.h"
+
+namespace palpate {
+
+/// Adds a tool space.
+/// @param configurations All, in their order.
+/// @param basis For those of an active node; ignored for a rigid tool. Null: nothing is shown.
+/// @param fields By the modes of the basis, for each configuration that is usable; one that is null
+///   is left out. Empty where there is no basis.
+/// @throws InputError an active node that is no point of the body; as add_clearance().
+void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
+                    const std::vector<ConfigurationSummary>& configurations,
+                    std::vector<IntermediateState> intermediate_states, const FieldBasis* basis,
+                    const std::vector<const ReducedFields*>& fields, TouchSpace& space);
+
+/// Whether a configuration has a displacement of the size of the body, and its derivative.
+[[nodiscard]] bool has_fields(const Configuration& configuration, Index num_points);
+
+/// Gives a configuration with its fields for an index, valid until the next call, the same each
+/// time; null: it is left out.
+using WholeConfiguration = std::function<const Configuration*(std::size_t index)>;
+
+/// Reduces the usable configurations of an active node, and adds its tool space.
+/// @param configurations All, in their order.
+/// @param bound Of a surface point's error, as a share of the largest displacement.
+/// @throws InputError as make_touch_space() does.
+void reduce_and_add(const Scene& scene, const ToolSpaceSetup& setup,
+                    const std::vector<ConfigurationSummary>& configurations,
+                    std::vector<IntermediateState> intermediate_states, double bound,
+                    const WholeConfiguration& whole, TouchSpace& space);
+
+/// Makes the touch space of a state space.
+/// @param space It has u and v of every usable configuration.
+/// @param bound Of a surface point's error, as a share of the largest displacement.
+/// @throws InputError u or v is missing or not finite, or the bound is out of range.
+[[nodiscard]] TouchSpace make_touch_space(const StateSpace& space,
+                                          double bound = kDefaultTouchBound);
+
+}  // namespace palpate

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/stored_touch_space.h"
+
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fields/make_touch_space.h"
+
+namespace palpate {
+namespace {
+
+/// What is reduced of the configurations, by index, empty of those that are damaged; nothing where
+/// one has its fields whole.
+std::optional<std::vector<ReducedFields>> read_reduced(
+    const StateSpaceFile& file, ToolSpaceId tool_space,
+    const std::vector<ConfigurationSummary>& summaries) {
+  std::vector<ReducedFields> reduced(summaries.size());
+  for (std::size_t s = 0; s < summaries.size(); ++s) {
+    StoredFields stored;
+    if (!summaries[s].usable() || !file.read_stored(tool_space, summaries[s], stored)) continue;
+    if (stored.basis == nullptr) return std::nullopt;
+    reduced[s] = std::move(stored.reduced);
+  }
+  return reduced;
+}
+
+std::vector<ConfigurationSummary> summaries_of(const std::vector<Configuration>& configurations) {
+  return {configurations.begin(), configurations.end()};
+}
+
+}  // namespace
+
+TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
+  validate_pod_bound(bound);
+  const Scene scene = file.read_scene();
+  TouchSpace space = make_empty_touch_space(scene, file.scene_hash());
+  std::vector<std::string> without_fields;
+  for (const ToolSpace& tool_space : file.read_tool_spaces()) {
+    const ToolSpaceId id = tool_space.setup.id;
+    const std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(id));
+    std::vector<IntermediateState> states = file.read_intermediate_states(id);
+    if (tool_space.setup.interaction.is_contact()) {
+      add_tool_space(scene, tool_space.setup, summaries, std::move(states), nullptr, {}, space);
+      continue;
+    }
+    // Of an active node there is one at the most.
+    const auto bases = file.list_bases(id);
+    const auto basis = bases.empty() ? nullptr : file.read_basis(id, bases.front().number);
+    if (const auto reduced = basis == nullptr ? std::nullopt : read_reduced(file, id, summaries)) {
+      std::vector<const ReducedFields*> fields;
+      for (const ReducedFields& of : *reduced) fields.push_back(of.v.cols() > 0 ? &of : nullptr);
+      add_tool_space(scene, tool_space.setup, summaries, std::move(states), basis.get(), fields,
+                     space);
+      // Those of many active nodes are not in memory twice.
+      file.forget_bases();
+      continue;
+    }
+    Configuration current;
+    std::set<std::size_t> damaged;
+    reduce_and_add(
+        scene, tool_space.setup, summaries, std::move(states), bound,
+        [&](std::size_t c) -> const Configuration* {
+          static_cast<ConfigurationSummary&>(current) = summaries[c];
+          if (damaged.count(c) > 0) return nullptr;
+          if (!file.read_fields(id, current)) {
+            damaged.insert(c);
+            return nullptr;
+          }
+          if (has_fields(current, scene.mesh.num_points())) return &current;
+          damaged.insert(c);
+          without_fields.push_back(describe(current, tool_space.setup.name()) +
+                                   ", whose fields are not whole");
+          return nullptr;
+        },
+        space);
+    // What is made of modes is off by their error besides.
+    if (basis != nullptr) {
+      space.displacement_error += basis->displacement_error;
+      space.sensitivity_error += basis->sensitivity_error;
+    }
+  }
+  space.left_out = file.left_out();
+  space.left_out.insert(space.left_out.end(), without_fields.begin(), without_fields.end());
+  space.file = file.path().string();
+  return space;
+}
+
+TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
+  const Scene scene = file.read_scene();
+  TouchSpace space = make_empty_touch_space(scene, file.scene_hash());
+  space.file = file.path().string();
+  for (const ToolSpace& from : file.read_tool_spaces()) {
+    const ToolSpaceId id = from.setup.id;
+    add_tool_space(scene, from.setup, summaries_of(file.read_summaries(id)),
+                   file.read_intermediate_states(id), nullptr, {}, space);
+  }
+  space.left_out = file.left_out();
+  return space;
+}
+
+}  // namespace palpate
