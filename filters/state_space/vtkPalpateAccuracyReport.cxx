@@ -385,7 +385,7 @@ void vtkPalpateAccuracyReport::UpdateEstimate()
         points += this->TestPoints;
         seconds += TimeOfPoint * this->TestPoints *
           palpate::seconds_of(
-            palpate::work_of_configuration(of.setup.interaction.is_contact()), cost, true);
+            palpate::work_of_configuration(of.setup.presses()), cost, true);
       }
       return "About " + vtkPalpateTellNumber(points) + " equilibria of " +
         vtkPalpateTellNumber(cost.num_unknowns) + " unknowns. They take " +

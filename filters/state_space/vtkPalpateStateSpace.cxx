@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/memory_error.h"
+#include "state_space/pressing_space.h"
 #include "storage/schema.h"
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
@@ -68,11 +69,6 @@ void AddNumber(vtkFieldData* data, const char* name, double value)
   AddArray<vtkDoubleArray>(data, name, 1, 1)->SetValue(0, value);
 }
 
-bool IsContact(const TouchToolSpace& toolSpace)
-{
-  return toolSpace.setup.interaction.is_contact();
-}
-
 /// The array of the modes of an active node: one has no other beside it.
 std::string ModesName(bool isOnly, Index node)
 {
@@ -82,7 +78,7 @@ std::string ModesName(bool isOnly, Index node)
 bool HasOneNode(const TouchSpace& space)
 {
   return std::count_if(space.tool_spaces.begin(), space.tool_spaces.end(),
-           [](const TouchToolSpace& toolSpace) { return !IsContact(toolSpace); }) == 1;
+           [](const TouchToolSpace& toolSpace) { return !toolSpace.setup.presses(); }) == 1;
 }
 
 void AddModes(const TouchSpace& space, const TouchToolSpace& toolSpace, vtkPointData* arrays)
@@ -402,8 +398,8 @@ constexpr const char* ToolTriangles = "ToolTriangles";
 /// A space has one rigid tool at the most.
 void AddContactFields(const TouchSpace& space, vtkFieldData* fields)
 {
-  const auto found = std::find_if(space.tool_spaces.begin(), space.tool_spaces.end(), IsContact);
-  if (found == space.tool_spaces.end())
+  const TouchToolSpace* found = palpate::find_pressing(space);
+  if (!found)
   {
     return;
   }
@@ -937,7 +933,7 @@ TouchSpace vtkPalpateSpaceFromCollection(
   }
   for (TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    if (IsContact(toolSpace))
+    if (toolSpace.setup.presses())
     {
       palpate::add_clearance(vtkPalpateSceneOfSpace(body), toolSpace);
     }

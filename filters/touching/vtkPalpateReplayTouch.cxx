@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "base/read_file.h"
+#include "state_space/pressing_space.h"
 #include "vtkDelimitedTextReader.h"
 #include "vtkDoubleArray.h"
 #include "vtkExecutive.h"
@@ -327,20 +328,12 @@ struct vtkPalpateReplayTouch::Replay
     const palpate::TouchSpace space = vtkPalpateSpaceFromCollection(input, controller);
     this->SceneHash = space.scene_hash;
     this->Shapes.clear();
-    this->HasRigidTool = space.find(palpate::kContactToolSpace) != nullptr;
+    this->HasRigidTool = palpate::find_pressing(space) != nullptr;
     for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
     {
       const palpate::InteractionSpec& interaction = toolSpace.setup.interaction;
-      if (interaction.is_contact())
-      {
-        this->Shapes[-1] = vtkPalpateToolSurface(interaction.tool);
-      }
-      else
-      {
-        palpate::RigidTool tip;
-        tip.radius = interaction.tip_radius;
-        this->Shapes[interaction.active_node] = vtkPalpateToolSurface(tip);
-      }
+      const vtkIdType node = interaction.presses() ? -1 : interaction.active_node;
+      this->Shapes[node] = vtkPalpateToolSurface(interaction.shown_shape());
     }
     this->Touch->SetInputDataObject(input);
     this->InputTime = input->GetMTime();

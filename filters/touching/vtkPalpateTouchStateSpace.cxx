@@ -17,6 +17,7 @@
 #include "interpolation/interpolator.h"
 #include "interpolation/outcome_at.h"
 #include "interpolation/solution_branches.h"
+#include "state_space/pressing_space.h"
 #include "storage/field_cache.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -70,7 +71,7 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node)
   std::string nodes;
   for (const TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    if (toolSpace.setup.interaction.is_contact() || ++number > mostNamed)
+    if (toolSpace.setup.presses() || ++number > mostNamed)
     {
       continue;
     }
@@ -136,21 +137,19 @@ struct WholeBodyOf
     }
     this->Scene = this->Fields.read_scene();
     this->Rest = vtkPalpateGridFromScene(this->Scene);
-    for (const TouchToolSpace& toolSpace : space.tool_spaces)
+    if (const TouchToolSpace* pressing = palpate::find_pressing(space))
     {
-      const palpate::InteractionSpec& interaction = toolSpace.setup.interaction;
-      if (interaction.is_contact())
-      {
-        this->Contact.emplace(palpate::make_contact(this->Scene, interaction.tool));
-      }
+      this->Contact.emplace(palpate::make_contact(this->Scene, pressing->setup.interaction.tool));
+      this->ContactSpace = pressing->setup.id;
     }
   }
 
   palpate::FieldCache Fields;
   palpate::Scene Scene;
   vtkSmartPointer<vtkUnstructuredGrid> Rest;
-  /// Of a rigid tool.
+  /// Of the tool that presses, and its tool space.
   std::optional<palpate::RigidContact> Contact;
+  palpate::ToolSpaceId ContactSpace = 0;
   /// Made when stress is first asked for.
   std::optional<palpate::Assembly> Assembly;
   /// Where it is displaced to from rest: of every point [3 x points], m, and of mixed cells their
@@ -269,7 +268,7 @@ void vtkPalpateTouchStateSpace::FindWholeBody(
   if (!field)
   {
     const TouchToolSpace site = cache.SiteOnBranch(toolSpace, cache.OnBranch);
-    field = toolSpace.setup.interaction.is_contact()
+    field = toolSpace.setup.presses()
       ? std::make_unique<palpate::BodyField>(site, interpolator.grid())
       : std::make_unique<palpate::BodyField>(site);
   }
@@ -290,7 +289,7 @@ void vtkPalpateTouchStateSpace::AddWholeBody(const double t[3], const palpate::T
   WholeBodyOf& whole = *cache.Whole;
   const palpate::NodalVector u = whole.DisplacementOfMesh();
   const palpate::TetMesh& mesh = whole.Scene.mesh;
-  if (whole.Contact && cache.Node == palpate::kContactToolSpace)
+  if (whole.Contact && cache.Node == whole.ContactSpace)
   {
     const palpate::RigidContact::Patch patch = whole.Contact->patch(palpate::Vec3(t), u);
     vtkNew<vtkDoubleArray> pressure;
@@ -391,10 +390,10 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
 {
   const TouchSpace& space = this->Cache->Space;
   const TouchToolSpace& toolSpace = SiteOf(space, this->ActiveNode);
-  const bool isContact = toolSpace.setup.interaction.is_contact();
-  const bool hasRigidTool = space.find(palpate::kContactToolSpace) != nullptr;
-  const palpate::Vec3 t(isContact ? this->ToolPosition : this->Displacement);
-  const palpate::Vec3 start(isContact ? this->ToolPosition : this->StartDisplacement);
+  const bool presses = toolSpace.setup.presses();
+  const bool hasRigidTool = palpate::find_pressing(space) != nullptr;
+  const palpate::Vec3 t(presses ? this->ToolPosition : this->Displacement);
+  const palpate::Vec3 start(presses ? this->ToolPosition : this->StartDisplacement);
   Prepared::Branch& branch =
     this->Cache->Find(toolSpace, start, this->StartBranch, t, this->Branch);
   auto& interpolator = branch.Interpolators[this->Interpolation];
@@ -407,7 +406,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   }
   const palpate::TouchResult touch = interpolator->evaluate(t);
 
-  const bool needsBody = isContact || this->Stress || this->WholeBody;
+  const bool needsBody = presses || this->Stress || this->WholeBody;
   std::string problem;
   if (!needsBody)
   {
@@ -432,7 +431,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
 
   const palpate::Surface& surface = space.surface;
   Eigen::VectorXf u = Eigen::VectorXf::Zero(3 * static_cast<Eigen::Index>(surface.num_points()));
-  if (!isContact)
+  if (!presses)
   {
     if (!branch.Field)
     {
@@ -479,7 +478,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   AddInteger(output, "Found", static_cast<int>(touch.support));
   AddInteger(output, "Outcome",
     static_cast<int>(palpate::outcome_at(interpolator->grid(), toolSpace.configurations, t)));
-  if (isContact)
+  if (presses)
   {
     AddVector(output, "ToolPosition", 3, t.data());
   }

@@ -18,6 +18,7 @@
 #include "haptic/touching/pressing_range.h"
 #include "storage/stored_touch_space.h"
 
+#include "state_space/pressing_space.h"
 namespace palpate {
 namespace {
 
@@ -38,7 +39,7 @@ StartPlace chosen_place(const TouchSpace& space, const Touchable& body, const Co
   const std::int32_t place = body.find(*line.node);
   if (place >= 0 && body.force_on_tool() == nullptr) {
     const Vec3& at = body.nodes()[static_cast<std::size_t>(place)].rest_position;
-    return {at, body.surface().nearest(at).normal, depth_of(space.find(*line.node)->setup)};
+    return {at, body.surface().nearest(at).normal, space.find(*line.node)->setup.depth()};
   }
   if (body.force_on_tool() != nullptr) {
     throw InputError(line.space + " has a rigid tool, which presses anywhere. Leave out --node.");
@@ -71,7 +72,7 @@ Touched read_touched(const CommandLine& line, std::optional<StateSpaceFile> file
   touched.at = chosen_place(space, *touched.body, line);
   const TouchToolSpace* tool =
       touched.body->force_on_tool() != nullptr
-          ? space.find(kContactToolSpace)
+          ? find_pressing(space)
           : space.find(line.node.value_or(space.tool_spaces.front().setup.id));
   touched.tool = tool->setup.name();
   return touched;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "state_space/pressing_space.h"
 
 namespace palpate {
 namespace {
@@ -58,22 +59,17 @@ double depth_left(const Interpolator& force, const Vec3& place, const Vec3& dire
   return std::min(way, most);
 }
 
-double depth_of(const ToolSpaceSetup& setup) {
-  if (!setup.interaction.is_contact()) return setup.grid.half_width;
-  return setup.policy.depth > 0 ? setup.policy.depth : half_width(setup.interaction.tool);
-}
-
 double depth_in_body(const SurfaceTree& surface, const RigidTool& tool, const Vec3& place) {
   const SurfaceTree::Nearest nearest = surface.nearest(place);
   return reach(tool, -nearest.normal) - nearest.distance;
 }
 
 StartPlace start_place(const TouchSpace& space, const Touchable& body) {
-  const TouchToolSpace* rigid = space.find(kContactToolSpace);
+  const TouchToolSpace* rigid = find_pressing(space);
   if (rigid == nullptr) {
     const TouchToolSpace& first = space.tool_spaces.front();
     const Vec3& place = first.setup.interaction.material_point;
-    return {place, body.surface().nearest(place).normal, depth_of(first.setup)};
+    return {place, body.surface().nearest(place).normal, first.setup.depth()};
   }
   const RigidTool& tool = rigid->setup.interaction.tool;
   const std::vector<Vec3>& points = space.surface.points;
@@ -99,7 +95,7 @@ StartPlace start_place(const TouchSpace& space, const Touchable& body) {
     nearest = p;
   }
   const Vec3 normal = point_normals(space.surface)[nearest];
-  return {touching_place(tool, points[nearest], normal), normal, depth_of(rigid->setup)};
+  return {touching_place(tool, points[nearest], normal), normal, rigid->setup.depth()};
 }
 
 }  // namespace palpate

@@ -29,10 +29,6 @@ namespace palpate {
 [[nodiscard]] double depth_left(const Interpolator& force, const Vec3& place, const Vec3& direction,
                                 double most);
 
-/// How far the space of a tool goes from where the tool touches nothing, m: the half-width of a
-/// bonded tool's space, the depth to which a rigid tool presses.
-[[nodiscard]] double depth_of(const ToolSpaceSetup& setup);
-
 /// How deep a rigid tool is in the body at rest, m: the depth of its deepest point, along the
 /// normal of the surface nearest to its centre; below 0 the tool is outside.
 /// @param place The tool's centre [3], m.

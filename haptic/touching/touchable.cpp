@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "state_space/pressing_space.h"
 
 namespace palpate {
 
@@ -17,6 +18,7 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
         "The state space has no active node and no rigid tool: there is nothing to touch. "
         "Precompute it for one.");
   }
+  const TouchToolSpace* pressing = find_pressing(space);
   nodes_.reserve(space.tool_spaces.size());
   for (const TouchToolSpace& tool_space : space.tool_spaces) {
     for (const ConfigurationSummary& configuration : tool_space.configurations) {
@@ -25,9 +27,10 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
                                                       Eigen::EigenvaluesOnly);
       largest_stiffness_ = std::max(largest_stiffness_, eigen.eigenvalues()[2]);
     }
-    if (tool_space.setup.interaction.is_contact()) {
+    if (tool_space.setup.presses()) {
+      if (&tool_space != pressing) continue;
       force_on_tool_ = make_interpolator(options.method, tool_space, options.interpolation);
-      tool_half_width_ = half_width(tool_space.setup.interaction.tool);
+      tool_half_width_ = tool_space.setup.interaction.touching_radius();
       continue;
     }
     const Index mesh_point = tool_space.setup.interaction.active_node;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "haptic/touching/pressing_range.h"
+#include "state_space/pressing_space.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderWindowInteractor.h"
 #include "vtkRenderer.h"
@@ -41,17 +42,13 @@ pqPalpateToolMouse::pqPalpateToolMouse(vtkSMRenderViewProxy* view, const palpate
   , Body(std::move(body))
   , Normals(palpate::point_normals(space.surface))
 {
-  for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
+  if (const palpate::TouchToolSpace* toolSpace = palpate::find_pressing(space))
   {
-    const palpate::ToolSpaceSetup& setup = toolSpace.setup;
-    if (setup.interaction.is_contact())
-    {
-      this->Shape = setup.interaction.tool;
-      this->Clearance = toolSpace.clearance;
-      this->Room = RoomOfCell * setup.grid.coarsest * setup.grid.spacing();
-      this->Deepest =
-        setup.policy.depth > 0 ? setup.policy.depth : palpate::half_width(this->Shape);
-    }
+    const palpate::ToolSpaceSetup& setup = toolSpace->setup;
+    this->Shape = setup.interaction.tool;
+    this->Clearance = toolSpace->clearance;
+    this->Room = RoomOfCell * setup.grid.coarsest * setup.grid.spacing();
+    this->Deepest = setup.depth();
   }
   this->Pressable =
     palpate::pressable_points(space.surface, this->Shape, *this->Body->force_on_tool());

@@ -149,7 +149,7 @@ pqPalpateToolView::pqPalpateToolView(
   for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
     const palpate::InteractionSpec& interaction = toolSpace.setup.interaction;
-    if (interaction.is_contact())
+    if (interaction.presses())
     {
       rigid = &interaction.tool;
     }

@@ -26,6 +26,7 @@
 #include "pqServer.h"
 #include "pqServerManagerModel.h"
 #include "vtkPVLogger.h"
+#include "state_space/pressing_space.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMRenderViewProxy.h"
 
@@ -79,12 +80,6 @@ QString Words(palpate::Support support)
   return {};
 }
 
-/// The tool space of the rigid tool; nullptr: there is none.
-const palpate::TouchToolSpace* RigidToolSpace(const palpate::TouchSpace& space)
-{
-  return space.find(palpate::kContactToolSpace);
-}
-
 /// The pressure under the middle of a rigid tool, Pa. It follows from the mean force and from
 /// Hertz's area at the largest depth, so that a deep press is in the last colour.
 double UsualPressure(const palpate::TouchToolSpace& rigid)
@@ -99,8 +94,8 @@ double UsualPressure(const palpate::TouchToolSpace& rigid)
       ++number;
     }
   }
-  const double radius = palpate::half_width(rigid.setup.interaction.tool);
-  const double area = Pi * radius * palpate::depth_of(rigid.setup);
+  const double radius = rigid.setup.interaction.touching_radius();
+  const double area = Pi * radius * rigid.setup.depth();
   return number > 0 ? MiddleOfMean * sum / number / area : 0;
 }
 }
@@ -153,10 +148,10 @@ struct pqPalpateTouch::Session
     for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
     {
       const palpate::InteractionSpec& interaction = toolSpace.setup.interaction;
-      if (interaction.is_contact())
+      if (interaction.presses())
       {
         box.extend(this->Body->surface().bounds());
-        beyond = std::max(beyond, 2 * palpate::half_width(interaction.tool));
+        beyond = std::max(beyond, 2 * interaction.touching_radius());
       }
       else
       {
@@ -166,8 +161,8 @@ struct pqPalpateTouch::Session
     }
     this->Centre = box.center();
     this->Radius = Room * (box.diagonal().norm() / 2 + beyond);
-    const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
-    this->Deepest = rigid ? palpate::depth_of(rigid->setup) : 0;
+    const palpate::TouchToolSpace* rigid = palpate::find_pressing(space);
+    this->Deepest = rigid ? rigid->setup.depth() : 0;
     this->RigidTool = rigid ? rigid->setup.interaction.tool : palpate::RigidTool();
   }
 
@@ -223,7 +218,7 @@ struct pqPalpateTouch::Session
     }
     if (this->Device == pqPalpateHandDevice)
     {
-      const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
+      const palpate::TouchToolSpace* rigid = palpate::find_pressing(space);
       const palpate::ToolSpaceSetup& setup = (rigid ? *rigid : space.tool_spaces.front()).setup;
       const auto [place, normal, depth] = palpate::start_place(space, *this->Body);
       const double height =
@@ -238,8 +233,8 @@ struct pqPalpateTouch::Session
 
   void MakeBodyView(const palpate::TouchSpace& space, bool inTissue)
   {
-    const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
-    const double depth = palpate::depth_of(space.tool_spaces.front().setup);
+    const palpate::TouchToolSpace* rigid = palpate::find_pressing(space);
+    const double depth = space.tool_spaces.front().setup.depth();
     this->BodyView = std::make_unique<pqPalpateBodyView>(this->Space, this->View,
       rigid ? "ContactPressure" : "Displacement", rigid ? UsualPressure(*rigid) : depth, inTissue,
       this->Away().data());

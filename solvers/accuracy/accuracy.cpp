@@ -44,7 +44,7 @@ std::vector<ToolSpaceSetup> share_setups(const Scene& scene, const TouchSpace& s
       const auto grid = std::make_shared<const CheckPointGrid>(tool_space);
       setups.push_back(tool_space.setup);
       is_served = is_served || !variants(tool_space, methods).empty();
-      if (!tool_space.setup.interaction.is_contact()) continue;
+      if (!tool_space.setup.presses()) continue;
       holds = [grid](const Vec3& q) {
         return grid->locate(q).place == CheckPointGrid::Place::cell;
       };

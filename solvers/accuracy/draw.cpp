@@ -15,8 +15,8 @@ namespace {
 /// The largest depth of a rigid tool, m: the depth of the space, but no more than the width of the
 /// space, since any depth may be given where the force limit ends it.
 double deepest(const ToolSpaceSetup& setup) {
-  return setup.policy.depth > 0 ? std::min(setup.policy.depth, 2 * setup.grid.half_width)
-                                : half_width(setup.interaction.tool);
+  return setup.policy.depth > 0 ? std::min(setup.depth(), 2 * setup.grid.half_width)
+                                : setup.depth();
 }
 
 /// A number for a rigid tool: it is below zero, unlike that of any active node.
@@ -122,7 +122,7 @@ class ContactDraw {
     Vec3 direction = random.direction();
     const double first = deepest(setup_) * random.unit();
     const double last = deepest(setup_) * random.unit();
-    const double step = kSlideStep * half_width(setup_.interaction.tool);
+    const double step = kSlideStep * setup_.interaction.touching_radius();
     for (std::size_t i = 0; i < length; ++i) {
       const double share = static_cast<double>(i) / (kWalkLength - 1);
       const int number = kWalkLength * slide + static_cast<int>(i);
@@ -143,10 +143,9 @@ class ContactDraw {
 
 TestSet test_set_of(const ToolSpaceSetup& setup, std::int64_t seed) {
   const InteractionSpec& interaction = setup.interaction;
-  if (!interaction.is_contact()) {
-    return {setup.id, interaction.tip_radius, setup.grid.half_width, seed};
-  }
-  return {number_of(interaction.tool), half_width(interaction.tool), deepest(setup), seed};
+  const double radius = interaction.touching_radius();
+  if (!setup.presses()) return {setup.id, radius, setup.grid.half_width, seed};
+  return {number_of(interaction.tool), radius, deepest(setup), seed};
 }
 
 Vec3 anchor_of(const Vec3& t, double half_width) {

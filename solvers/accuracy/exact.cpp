@@ -64,10 +64,9 @@ std::vector<Task> make_tasks(std::int32_t tool_space, const std::vector<TestPoin
       of_walk[point.number / kWalkLength].push_back(place);
       if (!is_known) incomplete.insert(point.number / kWalkLength);
     } else if (!is_known) {
-      // Points of a rigid tool have no anchor.
-      const Vec3 anchor = setup.interaction.is_contact()
-                              ? Vec3::Zero().eval()
-                              : anchor_of(point.t, setup.grid.half_width);
+      // Places of a tool that presses have no anchor.
+      const Vec3 anchor =
+          setup.presses() ? Vec3::Zero().eval() : anchor_of(point.t, setup.grid.half_width);
       of_anchor[{anchor[0], anchor[1], anchor[2]}].push_back(place);
     }
   }
@@ -126,8 +125,7 @@ class Solver final : public Worker {
     tell(mail);
     const Task task = tasks.front();
     tasks.pop_front();
-    const bool is_solved =
-        setup_of(task).interaction.is_contact() ? press(task, mail) : move(task, mail);
+    const bool is_solved = setup_of(task).presses() ? press(task, mail) : move(task, mail);
     if (!is_solved) mail.stop();
   }
 
@@ -277,11 +275,10 @@ std::vector<std::vector<TestPoint>> draw(const Scene& scene,
                                          const ExactOptions& options, InteractionFactory& tools) {
   std::vector<std::vector<TestPoint>> points;
   for (const ToolSpaceSetup& setup : setups) {
-    if (setup.interaction.is_contact()) {
+    if (const auto clearance = tools.clearance(setup.interaction)) {
       const auto holds = options.holds ? options.holds : [](const Vec3&) { return true; };
       points.push_back(draw_contact_points(setup, options.seed, options.test_points,
-                                           SurfacePlaces(scene),
-                                           *tools.clearance(setup.interaction), holds));
+                                           SurfacePlaces(scene), *clearance, holds));
     } else {
       points.push_back(draw_test_points(test_set_of(setup, options.seed), options.test_points));
     }

@@ -107,11 +107,11 @@ class Shown {
         const std::vector<TestPoint>& points)
       : space_(space),
         of_space_(space.find(tool_space.setup.id)),
-        is_contact_(tool_space.setup.interaction.is_contact()),
+        presses_(tool_space.setup.presses()),
         fields_(fields),
         samples_(sample_points(space.surface)),
         largest_(space.largest_displacement) {
-    if (!is_contact_) return;
+    if (!presses_) return;
     for (const TestPoint& point : points) {
       for (Eigen::Index s = 0; s + 2 < point.displacement.size(); s += 3) {
         largest_ = std::max(largest_, static_cast<double>(point.displacement.segment<3>(s).norm()));
@@ -136,7 +136,7 @@ class Shown {
   /// @returns Whether the displacement can be evaluated.
   bool evaluate(Subject& subject, int branch, const Vec3& t) {
     u_.resize(3 * static_cast<Eigen::Index>(samples_.size()));
-    if (!is_contact_) {
+    if (!presses_) {
       const DisplayField& field = subject.field_on(branch);
       Eigen::VectorXf c(field.num_modes());
       field.coefficients(t, c.data());
@@ -161,7 +161,7 @@ class Shown {
   const TouchSpace& space_;
   /// The tool space with its modes; the measured one is a part of it.
   const TouchToolSpace* of_space_;
-  bool is_contact_;
+  bool presses_;
   FieldCache* fields_;
   std::vector<Index> samples_;
   double largest_;
@@ -174,7 +174,7 @@ void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, S
                     std::vector<PointError>& errors, Measurement& result) {
   const double floor = kErrorFloor * largest_force(tool_space.configurations);
   const double stiffness_floor = kErrorFloor * largest_stiffness(tool_space);
-  const bool is_contact = tool_space.setup.interaction.is_contact();
+  const bool presses = tool_space.setup.presses();
   Shown shown(space, tool_space, fields, points);
   int branch = 0;
   Vec3 at = Vec3::Zero();
@@ -209,7 +209,7 @@ void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, S
     result.absolute.push_back(absolute);
     result.largest_force = std::max(result.largest_force, point.force.norm());
     shown.add_error(subject, branch, point, result.displacement);
-    if (is_contact && point.kind == TestKind::near_rest) continue;
+    if (presses && point.kind == TestKind::near_rest) continue;
     result.relative.push_back(error.error);
     result.stiffness.push_back(
         (touch.stiffness - point.stiffness).norm() /

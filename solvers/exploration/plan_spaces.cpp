@@ -102,7 +102,7 @@ std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions
   setup.id = kContactToolSpace;
   setup.interaction = rigid_contact_spec(with_defaults(contact.tool, scene));
   const std::shared_ptr<const ToolClearance> clearance = tools.clearance(setup.interaction);
-  const double width = half_width(setup.interaction.tool);
+  const double width = setup.interaction.touching_radius();
   const double spacing = contact.spacing > 0 ? contact.spacing : usual_spacing(*clearance, width);
   if (spacing > 2 * width) {
     throw InputError("The spacing is " + quantity(spacing, "m") + ", larger than the tool of " +
@@ -141,7 +141,7 @@ bool has_earlier_layer(const Scene& scene, const PrecomputeOptions& options) {
   const std::vector<ToolSpace> there =
       StateSpaceFile::open_read_only(options.file).read_tool_spaces();
   return std::any_of(there.begin(), there.end(), [&](const ToolSpace& space) {
-    return space.setup.interaction.is_contact() && space.setup.interaction.tool == earlier;
+    return space.setup.presses() && space.setup.interaction.tool == earlier;
   });
 }
 

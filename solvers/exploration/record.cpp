@@ -46,7 +46,7 @@ ReductionTask task_of(const Scene& scene, const std::vector<ToolSpaceSetup>& set
   task.bound = bound;
   task.points = kept_points(scene.mesh, make_surface(scene.mesh), keep);
   for (const ToolSpaceSetup& setup : setups) {
-    if (setup.interaction.is_contact()) continue;
+    if (setup.presses()) continue;
     for (ReductionRegion& region : plan_regions(setup, {}, {})) {
       task.regions.push_back(std::move(region));
     }

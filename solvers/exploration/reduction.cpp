@@ -236,7 +236,7 @@ std::vector<ReductionRegion> plan_regions(const ToolSpaceSetup& setup,
                                           const std::vector<StateKey>& keys,
                                           const std::vector<ReductionRegion>& there) {
   std::vector<ReductionRegion> regions = there;
-  if (!setup.interaction.is_contact()) {
+  if (!setup.presses()) {
     if (regions.empty()) {
       CheckPointBox& whole = regions.emplace_back().box;
       whole.first.fill(-kRootSide);

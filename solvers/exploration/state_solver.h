@@ -80,7 +80,7 @@ class InteractionSolver final : public StateSolver {
   void take(const ToolSpaceSetup& setup) {
     if (taken_ == setup.id) return;
     solver_.set_interaction(*tools_.make(setup.interaction));
-    clearance_ = setup.interaction.is_contact() ? tools_.clearance(setup.interaction) : nullptr;
+    clearance_ = tools_.clearance(setup.interaction);
     taken_ = setup.id;
   }
 
@@ -91,7 +91,7 @@ class InteractionSolver final : public StateSolver {
 
   /// The tool space whose tool the solver has.
   std::optional<ToolSpaceId> taken_;
-  /// The clearance of that tool, if it is rigid.
+  /// The clearance of that tool, if there is one.
   std::shared_ptr<const ToolClearance> clearance_;
   std::map<Keep, InnerExtension> extensions_;
 };

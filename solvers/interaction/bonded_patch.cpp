@@ -1,26 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "interaction/bonded_patch.h"
 
+#include <cctype>
 #include <map>
-#include <sstream>
+#include <string>
 #include <utility>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
 
-std::string place(const Vec3& x) {
-  std::ostringstream text;
-  text << " at (" << x.x() << ", " << x.y() << ", " << x.z() << ") m";
-  return text.str();
-}
-
-std::string length(double metres) {
-  std::ostringstream text;
-  text << metres << " m";
-  return text.str();
-}
+std::string place(const Vec3& x) { return " at " + quantity(x, "m"); }
 
 std::string capitalised(std::string name) {
   name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
@@ -45,7 +37,7 @@ double BondedPatch::displacement_scale(const Eigen::VectorXd& q) const {
 }
 
 std::string BondedPatch::describe(const Eigen::VectorXd& q) const {
-  return "a displacement of " + length(q.norm());
+  return "a displacement of " + quantity(q.norm(), "m");
 }
 
 InteractionList bond_nodes(const std::vector<Index>& nodes) {
@@ -75,7 +67,7 @@ InteractionList BondedPatches::around_each(const std::vector<Index>& nodes) cons
       }
       if (!is_new) {
         throw InputError("The tips at the " + name_ + "s " + std::to_string(other->second) +
-                         " and " + std::to_string(node) + ", of radius " + length(radius_) +
+                         " and " + std::to_string(node) + ", of radius " + quantity(radius_, "m") +
                          ", share point " + std::to_string(point) + place(points_[point]) +
                          ". Choose nodes that are farther apart, or a smaller tip radius.");
       }
@@ -107,7 +99,7 @@ BondedPatch BondedPatches::around(Index node) const {
   std::vector<Index> points = patches_.around(node, radius_);
   for (const Index point : points) {
     if (fixed_[point] == 0) continue;
-    throw InputError("The tip of radius " + length(radius_) + " at " + name_ + ' ' +
+    throw InputError("The tip of radius " + quantity(radius_, "m") + " at " + name_ + ' ' +
                      std::to_string(node) + place(points_[node]) + " reaches point " +
                      std::to_string(point) + place(points_[point]) +
                      ", which is fixed. Choose a node that is farther from the fixed points, or a "

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "base/error.h"
+#include "interaction/tool_kind.h"
 
 namespace palpate {
 
@@ -23,27 +23,32 @@ InteractionSpec rigid_contact_spec(RigidTool tool) {
   return spec;
 }
 
+std::string InteractionSpec::name() const { return tool_kind(kind).name(*this); }
+bool InteractionSpec::presses() const { return tool_kind(kind).presses(); }
+double InteractionSpec::touching_radius() const { return tool_kind(kind).touching_radius(*this); }
+RigidTool InteractionSpec::shown_shape() const { return tool_kind(kind).shown_shape(*this); }
+
 std::unique_ptr<Interaction> InteractionFactory::make(const InteractionSpec& spec) {
-  switch (spec.kind) {
-    case InteractionKind::bonded_patch:
-      return bonded_patches_.try_emplace(spec.tip_radius, scene_, spec.tip_radius)
-          .first->second.around(spec.active_node)
-          .clone();
-    case InteractionKind::rigid_contact: return rigid(spec).contact.clone();
-  }
-  throw InputError("A tool of an unknown kind, " + std::to_string(static_cast<int>(spec.kind)) +
-                   ", cannot be made.");
+  return tool_kind(spec.kind).make(spec, *this);
 }
 
-InteractionFactory::Rigid& InteractionFactory::rigid(const InteractionSpec& spec) {
-  if (!rigid_ || !(rigid_->tool == spec.tool)) {
-    rigid_.emplace(Rigid{spec.tool, make_contact(scene_, spec.tool), nullptr});
+std::shared_ptr<const ToolClearance> InteractionFactory::clearance(const InteractionSpec& spec) {
+  return tool_kind(spec.kind).clearance(spec, *this);
+}
+
+const BondedPatches& InteractionFactory::patches(double radius) {
+  return bonded_patches_.try_emplace(radius, scene_, radius).first->second;
+}
+
+InteractionFactory::Rigid& InteractionFactory::rigid(const RigidTool& tool) {
+  if (!rigid_ || !(rigid_->tool == tool)) {
+    rigid_.emplace(Rigid{tool, make_contact(scene_, tool), nullptr});
   }
   return *rigid_;
 }
 
-std::shared_ptr<const ToolClearance> InteractionFactory::clearance(const InteractionSpec& spec) {
-  Rigid& of = rigid(spec);
+std::shared_ptr<const ToolClearance> InteractionFactory::clearance_of(const RigidTool& tool) {
+  Rigid& of = rigid(tool);
   if (of.clearance == nullptr) {
     of.clearance = std::make_shared<const ToolClearance>(scene_, of.contact);
   }

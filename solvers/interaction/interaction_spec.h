@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <tuple>
 
 #include "assembly/scene.h"
@@ -35,6 +36,12 @@ struct InteractionSpec {
   /// Of a rigid contact: the tool.
   RigidTool tool;
 
+  /// See tool_kind.h.
+  [[nodiscard]] std::string name() const;
+  [[nodiscard]] bool presses() const;
+  [[nodiscard]] double touching_radius() const;
+  [[nodiscard]] RigidTool shown_shape() const;
+
   [[nodiscard]] bool is_contact() const { return kind == InteractionKind::rigid_contact; }
 
   [[nodiscard]] friend bool operator==(const InteractionSpec& a, const InteractionSpec& b) {
@@ -59,9 +66,14 @@ class InteractionFactory {
   /// @throws InputError a place where the tool cannot be, see BondedPatches::around(), or a
   ///   rigid tool that is none, see make_contact().
   [[nodiscard]] std::unique_ptr<Interaction> make(const InteractionSpec& spec);
-  /// Where a rigid tool is clear of the body.
+  /// Where a tool is clear of the body; null: it acts wherever it is.
   /// @throws InputError a rigid tool that is none.
   [[nodiscard]] std::shared_ptr<const ToolClearance> clearance(const InteractionSpec& spec);
+
+  /// What the kinds of tools make theirs of. It is made once.
+  [[nodiscard]] const BondedPatches& patches(double radius);
+  [[nodiscard]] const RigidContact& contact(const RigidTool& tool) { return rigid(tool).contact; }
+  [[nodiscard]] std::shared_ptr<const ToolClearance> clearance_of(const RigidTool& tool);
 
  private:
   /// What was made of a rigid tool last: its distance and the points of its contact take time.
@@ -70,7 +82,7 @@ class InteractionFactory {
     RigidContact contact;
     std::shared_ptr<const ToolClearance> clearance;
   };
-  Rigid& rigid(const InteractionSpec& spec);
+  Rigid& rigid(const RigidTool& tool);
 
   Scene scene_;
   std::optional<Rigid> rigid_;

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <utility>
 
+#include "base/quantity.h"
 namespace palpate {
 namespace {
 
@@ -112,11 +112,7 @@ double RigidContact::displacement_scale(const Eigen::VectorXd& /*q*/) const {
 }
 
 std::string RigidContact::describe(const Eigen::VectorXd& q) const {
-  const Vec3 place = pose_->evaluate(q, 0).place;
-  std::ostringstream text;
-  text << shape_->description() << " at (" << place[0] << ", " << place[1] << ", " << place[2]
-       << ") m";
-  return text.str();
+  return shape_->description() + " at " + quantity(pose_->evaluate(q, 0).place, "m");
 }
 
 std::vector<Vec3> RigidContact::inner_places(const Eigen::VectorXd& q) const {

@@ -111,7 +111,7 @@ struct ExplorationPolicy {
 /// The number by which a tool space is known in a run and in a file: that of the active node where
 /// there is one.
 using ToolSpaceId = std::int64_t;
-/// That of a rigid tool.
+/// The number that a rigid tool's space is given.
 inline constexpr ToolSpaceId kContactToolSpace = -1;
 
 struct ToolSpaceSetup {
@@ -121,9 +121,14 @@ struct ToolSpaceSetup {
   ExplorationPolicy policy;
 
   /// Which it is, for a message: "active node 8".
-  [[nodiscard]] std::string name() const {
-    if (interaction.is_contact()) return name_of(interaction.tool);
-    return "active node " + std::to_string(interaction.active_node);
+  [[nodiscard]] std::string name() const { return interaction.name(); }
+  /// Whether the tool presses the body anywhere, see ToolKind::presses().
+  [[nodiscard]] bool presses() const { return interaction.presses(); }
+  /// How far the space goes from where the tool touches nothing, m: the half-width of the space of
+  /// a tool that holds the body at a point, the depth to which another one presses.
+  [[nodiscard]] double depth() const {
+    if (!presses()) return grid.half_width;
+    return policy.depth > 0 ? policy.depth : interaction.touching_radius();
   }
 };
 
