@@ -36,7 +36,7 @@ void AdaptiveGrid::accept(const ConfigurationSummary& found) {
   if (here == under_way_.end()) return;  // an earlier run has found it
   std::vector<CheckPoint>& left = here->second;
   if (!found.usable() && !left.empty()) {
-    due_.push_back({found.check_point, left.front()});
+    pending_.push_back({found.check_point, left.front()});
     left.erase(left.begin());
     return;
   }
@@ -46,14 +46,15 @@ void AdaptiveGrid::accept(const ConfigurationSummary& found) {
 }
 
 std::vector<Transition> AdaptiveGrid::next() {
-  std::vector<Transition> due = coarse_.next();
-  if (coarse_.is_complete() && due.empty() && due_.empty() && under_way_.empty()) plan_round();
-  std::stable_sort(due_.begin(), due_.end(), [](const Transition& a, const Transition& b) {
+  std::vector<Transition> transitions = coarse_.next();
+  if (coarse_.is_complete() && transitions.empty() && pending_.empty() && under_way_.empty())
+    plan_round();
+  std::stable_sort(pending_.begin(), pending_.end(), [](const Transition& a, const Transition& b) {
     return std::tie(a.start, a.target) < std::tie(b.start, b.target);
   });
-  due.insert(due.end(), due_.begin(), due_.end());
-  due_.clear();
-  return due;
+  transitions.insert(transitions.end(), pending_.begin(), pending_.end());
+  pending_.clear();
+  return transitions;
 }
 
 std::vector<CheckPoint> AdaptiveGrid::given_up() {
@@ -85,7 +86,7 @@ void AdaptiveGrid::plan_round() {
         found_[target].check_point = target;  // No start leads there: the point counts as failed.
         continue;
       }
-      due_.push_back({target, tried.front()});
+      pending_.push_back({target, tried.front()});
       tried.erase(tried.begin());
       under_way_.emplace(target, std::move(tried));
     }

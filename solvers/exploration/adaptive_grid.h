@@ -50,7 +50,7 @@ class AdaptiveGrid final : public ExplorationStrategy {
   std::map<CheckPoint, std::vector<CheckPoint>> under_way_;
   /// The number of points that rounds have asked for.
   std::int64_t num_refined_ = 0;
-  std::vector<Transition> due_;
+  std::vector<Transition> pending_;
   std::vector<CheckPoint> given_up_;
 };
 

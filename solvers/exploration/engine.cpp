@@ -25,6 +25,8 @@ enum class Kind : std::uint8_t {
   make,
   /// To an owner: a question.
   ask,
+  /// To a rank: the steering that is to be followed.
+  steer,
   /// To rank 0: the progress of the tool spaces that the sender owns.
   progress,
 };
@@ -102,7 +104,8 @@ Engine::Engine(const std::vector<PlannedSpace>& spaces, StateSolver& solver, Rec
       solver_(solver),
       record_(record),
       monitor_(monitor),
-      report_(report) {
+      report_(report),
+      queue_(spaces) {
   for (const auto& [setup, plan] : spaces) {
     const bool is_here = owner_of(plan->owner_key(setup.id, {}), num_ranks_) == rank_;
     if (!plan->is_spread() && !is_here) continue;
@@ -111,7 +114,7 @@ Engine::Engine(const std::vector<PlannedSpace>& spaces, StateSolver& solver, Rec
 }
 
 void Engine::plan_anew() {
-  is_first_round_ = false;
+  begin_ = Begin::plan;
   for (auto& [id, owned] : owned_) {
     owned.strategy = space(id).plan->make_strategy(rank_, num_ranks_);
     owned.num_expected = 0;
@@ -119,20 +122,58 @@ void Engine::plan_anew() {
   }
 }
 
-const PlannedSpace& Engine::space(ToolSpaceId tool_space) const {
-  return *std::lower_bound(
-      spaces_.begin(), spaces_.end(), tool_space,
-      [](const PlannedSpace& space, ToolSpaceId id) { return space.setup.id < id; });
+void Engine::steer(Steering steering) {
+  steering_version_ = {steering_version_.first + 1, rank_};
+  queue_.steer(steering);
+  to_send_ = std::move(steering);
+  if (monitor_.mail() != nullptr) send_steering(*monitor_.mail());
+}
+
+void Engine::send_steering(Mail& mail) {
+  Packer message;
+  message.put(Kind::steer);
+  message.put(steering_version_);
+  message.put(*to_send_);
+  const Bytes bytes = message.take();
+  for (int rank = 0; rank < num_ranks_; ++rank) {
+    if (rank != rank_) mail.send(rank, bytes);
+  }
+  to_send_.reset();
+}
+
+void Engine::hear_steering(Unpacker& content) {
+  const auto version = content.take<std::pair<std::int64_t, int>>();
+  if (version < steering_version_) return;
+  steering_version_ = version;
+  queue_.steer(content.take<Steering>());
+}
+
+void Engine::move_records_to_first_rank() {
+  for (auto& [id, owned] : owned_) {
+    for (auto& [key, located] : owned.located) located.rank = 0;
+  }
+  if (rank_ != 0) moved_ = queue_.take_recorded_here();
 }
 
 void Engine::start(Mail& mail) {
   monitor_.set_mail(&mail);
-  if (!is_first_round_) {
-    for (auto& [id, owned] : owned_) hand_out(id, mail);
-    return;
+  if (to_send_) send_steering(mail);
+  for (Batch& batch : std::exchange(moved_, {})) {
+    Packer message;
+    message.put(Kind::make);
+    pack(batch, false, message);
+    mail.send(0, message.take());
   }
-  if (mail.rank() != 0) return;
-  for (const PlannedSpace& space : spaces_) to_recall_.push_back(space.setup.id);
+  switch (std::exchange(begin_, Begin::resume)) {
+    case Begin::recall:
+      if (rank_ != 0) return;
+      for (const PlannedSpace& space : spaces_) to_recall_.push_back(space.setup.id);
+      return;
+    case Begin::plan:
+      for (auto& [id, owned] : owned_) send_transitions(id, mail);
+      return;
+    case Begin::resume: return;
+  }
 }
 
 /// Tells the owners a few configurations and transitions of earlier runs. The last message of a
@@ -184,15 +225,16 @@ void Engine::recall(Unpacker& content, Mail& mail) {
   }
   for (const auto& summary : content.take_list<std::vector<ConfigurationSummary>>()) {
     owned.strategy->recall(summary);
-    if (summary.usable()) owned.held[key_of(id, summary)] = {summary, 0};
+    if (summary.usable()) owned.located[key_of(id, summary)] = {summary, 0};
     if (is_spread) owned.known.push_back(summary);
     if (summary.level >= 0) count(summary, true, report_);
   }
   if (!content.take<bool>()) return;
   owned.has_recalled = true;
-  for (const ConfigurationSummary& found : owned.known) conclude(id, owned, found, true, mail);
+  for (const ConfigurationSummary& found : owned.known)
+    answer_waiting(id, owned, found, true, mail);
   for (const Question& question : std::exchange(owned.postponed, {})) hear(id, question, mail);
-  hand_out(id, mail);
+  send_transitions(id, mail);
 }
 
 void Engine::receive(int from, const Bytes& message, Mail& mail) {
@@ -211,13 +253,14 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
       break;
     }
     case Kind::make:
-      while (!content.at_end()) enqueue(unpack(content));
+      while (!content.at_end()) queue_.enqueue(unpack(content));
       break;
     case Kind::ask: {
       const auto id = content.take<ToolSpaceId>();
       hear(id, content.take<Question>(), mail);
       break;
     }
+    case Kind::steer: hear_steering(content); break;
     case Kind::progress: monitor_.hear(from, content); break;
   }
 }
@@ -237,39 +280,39 @@ void Engine::hear(ToolSpaceId tool_space, const Question& question, Mail& mail) 
   const CheckPoint& target = question.target.check_point;
   const CheckPoint& start = question.start;
   switch (question.kind) {
-    case Question::Kind::want: {
+    case Question::Kind::request: {
       const auto ended = owned.ended.find(start);
-      const auto held = owned.held.find({tool_space, start, 0});
+      const auto located = owned.located.find({tool_space, start, 0});
       if (ended != owned.ended.end()) {
         Question answer = question;
-        answer.kind = Question::Kind::refused;
+        answer.kind = Question::Kind::refusal;
         answer.beyond_limit = ended->second;
         ask(tool_space, target, answer, mail);
-      } else if (held != owned.held.end()) {
-        wanted_[{tool_space, start}].push_back(question.target);
+      } else if (located != owned.located.end()) {
+        ready_[{tool_space, start}].push_back(question.target);
       } else {
         owned.waiting[start].push_back(question.target);
       }
       return;
     }
-    case Question::Kind::refused:
+    case Question::Kind::refusal:
       owned.strategy->refuse(target, start, question.beyond_limit);
-      return hand_out(tool_space, mail);
+      return send_transitions(tool_space, mail);
     case Question::Kind::offer:
       owned.strategy->offer(target, start);
-      return hand_out(tool_space, mail);
+      return send_transitions(tool_space, mail);
   }
 }
 
-void Engine::send_wanted(Mail& mail) {
-  for (const auto& [of, targets] : std::exchange(wanted_, {})) {
+void Engine::send_ready(Mail& mail) {
+  for (const auto& [of, targets] : std::exchange(ready_, {})) {
     const auto& [tool_space, start] = of;
-    send(tool_space, owned_.at(tool_space).held.at({tool_space, start, 0}), targets, mail);
+    send(tool_space, owned_.at(tool_space).located.at({tool_space, start, 0}), targets, mail);
   }
 }
 
-void Engine::conclude(ToolSpaceId tool_space, Owned& owned, const ConfigurationSummary& found,
-                      bool is_recalled, Mail& mail) {
+void Engine::answer_waiting(ToolSpaceId tool_space, Owned& owned, const ConfigurationSummary& found,
+                            bool is_recalled, Mail& mail) {
   const CheckPoint& start = found.check_point;
   const std::vector<Target> waiting = std::exchange(owned.waiting[start], {});
   owned.waiting.erase(start);
@@ -280,11 +323,12 @@ void Engine::conclude(ToolSpaceId tool_space, Owned& owned, const ConfigurationS
   leading.outcome = Outcome::converged;
   leading.flags = 0;
   if (found.leads_on()) {
-    if (!waiting.empty()) send(tool_space, owned.held.at(key_of(tool_space, found)), waiting, mail);
+    if (!waiting.empty())
+      send(tool_space, owned.located.at(key_of(tool_space, found)), waiting, mail);
     if (!is_recalled) return;
     question.kind = Question::Kind::offer;
   } else {
-    question.kind = Question::Kind::refused;
+    question.kind = Question::Kind::refusal;
     bool& beyond_limit = owned.ended[start];
     beyond_limit = beyond_limit || found.usable();
     question.beyond_limit = beyond_limit;
@@ -299,13 +343,13 @@ void Engine::conclude(ToolSpaceId tool_space, Owned& owned, const ConfigurationS
   }
 }
 
-void Engine::send(ToolSpaceId tool_space, const Held& start, const std::vector<Target>& targets,
+void Engine::send(ToolSpaceId tool_space, const Located& start, const std::vector<Target>& targets,
                   Mail& mail) {
   Batch batch;
   batch.tool_space = tool_space;
   batch.start = start.summary;
   batch.targets.assign(targets.begin(), targets.end());
-  if (start.rank == mail.rank()) return enqueue(std::move(batch));
+  if (start.rank == mail.rank()) return queue_.enqueue(std::move(batch));
   Packer message;
   message.put(Kind::make);
   pack(batch, false, message);
@@ -317,20 +361,20 @@ void Engine::take_in(ToolSpaceId tool_space, const ConfigurationSummary& found, 
   Owned& owned = owned_.at(tool_space);
   if (found.level < 0) {
     ++report_.num_transitions;
-    if (found.usable()) owned.held[key_of(tool_space, found)] = {found, rank};
+    if (found.usable()) owned.located[key_of(tool_space, found)] = {found, rank};
   } else if (found.usable()) {
     owned.failed.erase(found.check_point);
-    owned.held[key_of(tool_space, found)] = {found, rank};
+    owned.located[key_of(tool_space, found)] = {found, rank};
     count(found, false, report_);
     if (space(tool_space).plan->is_spread()) {
       owned.known.push_back(found);
-      conclude(tool_space, owned, found, false, mail);
+      answer_waiting(tool_space, owned, found, false, mail);
     }
   } else {
     owned.failed[found.check_point] = found;
   }
   owned.strategy->accept(found);
-  hand_out(tool_space, mail);
+  send_transitions(tool_space, mail);
 }
 
 /// Records first which level a transition has reached, and then has the candidate settled by the
@@ -343,13 +387,13 @@ void Engine::settle(ToolSpaceId tool_space, Owned& owned, const Settlement& sett
   if (!settlement.has_candidate) return;
   const std::int32_t level =
       candidate_level(transition.start, transition.start_level, transition.target);
-  const Held candidate = owned.held.extract({tool_space, transition.target, level}).mapped();
+  const Located candidate = owned.located.extract({tool_space, transition.target, level}).mapped();
   if (settlement.is_new) {
-    Held& held = owned.held[{tool_space, transition.target, transition.reached}];
-    held = candidate;
-    held.summary.level = transition.reached;
+    Located& settled = owned.located[{tool_space, transition.target, transition.reached}];
+    settled = candidate;
+    settled.summary.level = transition.reached;
     ++report_.num_levels;
-    count(held.summary, false, report_);
+    count(settled.summary, false, report_);
   }
   const std::int32_t given = settlement.is_new ? transition.reached : failed_to_reach;
   if (candidate.rank == mail.rank()) return record_.settle(tool_space, candidate.summary, given);
@@ -374,11 +418,9 @@ Engine::Target Engine::target_of(const Owned& owned, const Transition& transitio
   return target;
 }
 
-/// Sends the transitions that a strategy asks for to the ranks that have their starts, and records
-/// the targets that it has given up.
-void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
+void Engine::send_transitions(ToolSpaceId tool_space, Mail& mail) {
   Owned& owned = owned_.at(tool_space);
-  const std::vector<Transition> due = owned.strategy->next();
+  const std::vector<Transition> asked = owned.strategy->next();
   report_.num_expected += owned.strategy->num_expected() - owned.num_expected;
   owned.num_expected = owned.strategy->num_expected();
   for (const Settlement& settlement : owned.strategy->settled()) {
@@ -400,16 +442,16 @@ void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
     if (!is_spread) continue;
     owned.known.push_back(found);
     owned.ended[target] = owned.strategy->is_beyond_limit(target);
-    conclude(tool_space, owned, found, false, mail);
+    answer_waiting(tool_space, owned, found, false, mail);
   }
   std::map<int, Packer> to_holders;
-  for (std::size_t i = 0; i < due.size();) {
-    const CheckPoint start = due[i].start;
-    const std::int32_t start_level = due[i].start_level;
-    if (is_spread && !due[i].needs_no_start()) {
+  for (std::size_t i = 0; i < asked.size();) {
+    const CheckPoint start = asked[i].start;
+    const std::int32_t start_level = asked[i].start_level;
+    if (is_spread && !asked[i].needs_no_start()) {
       Question question;
       question.start = start;
-      question.target = target_of(owned, due[i]);
+      question.target = target_of(owned, asked[i]);
       ask(tool_space, start, question, mail);
       ++i;
       continue;
@@ -417,19 +459,19 @@ void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
     Batch batch;
     batch.tool_space = tool_space;
     int holder = mail.rank();
-    if (!due[i].needs_no_start()) {
-      const Held& held = owned.held.at({tool_space, start, start_level});
-      batch.start = held.summary;
-      holder = held.rank;
+    if (!asked[i].needs_no_start()) {
+      const Located& at = owned.located.at({tool_space, start, start_level});
+      batch.start = at.summary;
+      holder = at.rank;
     }
     const auto has_this_start = [&](const Transition& transition) {
       return transition.start == start && transition.start_level == start_level;
     };
-    for (; i < due.size() && has_this_start(due[i]); ++i) {
-      batch.targets.push_back(target_of(owned, due[i]));
+    for (; i < asked.size() && has_this_start(asked[i]); ++i) {
+      batch.targets.push_back(target_of(owned, asked[i]));
     }
     if (holder == mail.rank()) {
-      enqueue(std::move(batch));
+      queue_.enqueue(std::move(batch));
     } else {
       const auto [message, is_new] = to_holders.try_emplace(holder);
       if (is_new) message->second.put(Kind::make);
@@ -439,15 +481,13 @@ void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
   for (auto& [holder, message] : to_holders) mail.send(holder, message.take());
 }
 
-bool Engine::has_work() const {
-  return !to_recall_.empty() || !wanted_.empty() || !begun_.empty() || !due_.empty();
-}
+bool Engine::has_work() const { return !to_recall_.empty() || !ready_.empty() || !queue_.empty(); }
 
 void Engine::work(Mail& mail) {
   tell();
   if (!to_recall_.empty()) return recall_some(mail);
-  if (!wanted_.empty()) return send_wanted(mail);
-  current_ = take_next();
+  if (!ready_.empty()) return send_ready(mail);
+  current_ = queue_.take_next();
   const ToolSpaceId id = current_->tool_space;
   const Target target = current_->targets.front();
   current_->targets.pop_front();
@@ -475,7 +515,7 @@ void Engine::work(Mail& mail) {
   mail.send_to_owner(owner_key(id, summary.check_point), message.take());
 
   if (!current_->targets.empty()) {
-    begun_.push_back(std::move(*current_));
+    queue_.push(std::move(*current_));
   } else if (start != nullptr) {
     solver_.forget(*start);
   }
@@ -488,7 +528,7 @@ void Engine::work(Mail& mail) {
   const auto state = std::make_shared<const Equilibrium>(to_equilibrium(std::move(found)));
   if (next.targets.empty()) return solver_.forget(*state);
   next.state = state;
-  begun_.push_back(std::move(next));
+  queue_.push(std::move(next));
 }
 
 /// Reports the progress of the tool spaces that this rank owns.
@@ -559,48 +599,21 @@ std::vector<IntermediateState> Engine::make_way(const Batch& batch,
   return way;
 }
 
-void Engine::enqueue(Batch&& batch) {
-  const CheckPoint& target = batch.targets.front().check_point;
-  const double distance = space(batch.tool_space).plan->distance(target);
-  due_.emplace(distance, std::move(batch));
-}
-
-Engine::Batch Engine::take_next() {
-  if (begun_.empty()) return std::move(due_.extract(due_.begin()).mapped());
-  Batch next = std::move(begun_.back());
-  begun_.pop_back();
-  return next;
-}
-
-Engine::Batch& Engine::last() {
-  return due_.empty() ? begun_.front() : std::prev(due_.end())->second;
-}
-
-Engine::Batch Engine::take_last() {
-  Batch taken = std::move(last());
-  if (due_.empty()) {
-    begun_.pop_front();
-  } else {
-    due_.erase(std::prev(due_.end()));
-  }
-  return taken;
-}
-
 Bytes Engine::give() {
   Packer message;
   // Whole batches are given while there is more than one; of a single batch, half of its targets.
-  const std::size_t num_batches = due_.size() + begun_.size();
+  const std::size_t num_batches = queue_.size();
   if (num_batches > (current_ ? 0 : 1)) {
     // Batches without a start are given together, up to half of all; of others, one.
     std::size_t most = (num_batches + 1) / 2;
     for (bool from_rest = true; from_rest && most > 0; --most) {
-      Batch given = take_last();
+      Batch given = queue_.take_last();
       pack(given, true, message);
-      from_rest = !given.has_start() && !due_.empty() && !last().has_start();
+      from_rest = !given.has_start() && queue_.last_needs_no_start();
     }
     return message.take();
   }
-  Batch* rest = current_ ? &*current_ : num_batches == 0 ? nullptr : &last();
+  Batch* rest = current_ ? &*current_ : num_batches == 0 ? nullptr : &queue_.last();
   if (rest == nullptr || rest->targets.size() < (current_ ? 1 : 2)) return {};
   Batch given = split(*rest);
   pack(given, true, message);
@@ -608,7 +621,7 @@ Bytes Engine::give() {
 }
 
 Engine::Batch Engine::split(Batch& batch) {
-  Batch other{batch.tool_space, batch.start, batch.state, {}};
+  Batch other{batch.tool_space, batch.start, batch.state, batch.is_recorded_here, {}};
   std::deque<Target> kept;
   bool keep = false;
   for (Target& target : batch.targets) {
@@ -620,14 +633,14 @@ Engine::Batch Engine::split(Batch& batch) {
 }
 
 void Engine::take(const Bytes& tasks, Mail& /*mail*/) {
-  for (Unpacker message(tasks); !message.at_end();) enqueue(unpack(message));
+  for (Unpacker message(tasks); !message.at_end();) queue_.enqueue(unpack(message));
 }
 
 void Engine::discard() {
   to_recall_.clear();
-  wanted_.clear();
-  due_.clear();
-  begun_.clear();
+  ready_.clear();
+  queue_.clear();
+  is_discarded_ = true;
 }
 
 void Engine::pack(Batch& batch, bool with_state, Packer& message) {
@@ -648,6 +661,7 @@ Engine::Batch Engine::unpack(Unpacker& message) {
   batch.tool_space = message.take<ToolSpaceId>();
   batch.start = message.take<ConfigurationSummary>();
   if (message.take<bool>()) {
+    batch.is_recorded_here = false;
     batch.state =
         std::make_shared<const Equilibrium>(to_equilibrium(message.take<Configuration>()));
   }

@@ -9,8 +9,12 @@
 // such as one from another start after a failure, are decided by the strategy. The owner sends them
 // to the rank whose record has the start. If another rank owns the start, the owner of the target
 // asks that rank, which answers as soon as the start is found or given up. Transitions that wait
-// are in a priority queue, ordered by the distance that the plan gives. A rank without tasks takes
-// over tasks from the end of another rank's queue, in whole batches where it can.
+// are in a priority queue (transition_queue.h). A rank without tasks takes over tasks from the end
+// of another rank's queue, in whole batches where it can.
+//
+// Any rank may steer the exploration while it runs (steering.h). The steering goes to all ranks as
+// mail, so that the end of the run is found as ever. If it withdraws targets, the run ends without
+// them.
 //
 // What an earlier run has found is on rank 0, which tells the owners. Rank 0 does so by tasks of a
 // few configurations each, so that the scheduler can hold them back while messages are unread.
@@ -27,9 +31,11 @@
 
 #include "exploration/exploration_plan.h"
 #include "exploration/monitor.h"
+#include "exploration/precompute_report.h"
 #include "exploration/record.h"
 #include "exploration/state_solver.h"
 #include "exploration/transfer.h"
+#include "exploration/transition_queue.h"
 #include "schedule/scheduler.h"
 
 namespace palpate {
@@ -53,6 +59,16 @@ class Engine final : public Worker {
     return owned_.at(tool_space).known;
   }
 
+  /// Has all ranks follow a steering from now on. Call this on any rank, within a run or between
+  /// two. Of two ranks that steer at the same time, all ranks follow the same one.
+  void steer(Steering steering);
+  /// Whether the steering has withdrawn targets that this rank would make. Call this between runs.
+  [[nodiscard]] bool has_withdrawn() const { return queue_.has_withdrawn(); }
+  /// Whether the tasks were dropped, since a run was stopped.
+  [[nodiscard]] bool is_discarded() const { return is_discarded_; }
+  /// Says, on all ranks and between runs, that the record of rank 0 now has all configurations.
+  void move_records_to_first_rank();
+
   void start(Mail& mail) override;
   void receive(int from, const Bytes& message, Mail& mail) override;
   [[nodiscard]] bool has_work() const override;
@@ -62,36 +78,20 @@ class Engine final : public Worker {
   void discard() override;
 
  private:
-  struct Target {
-    CheckPoint check_point{};
-    /// The level of the configuration that is sought: 0, or the number of a candidate.
-    std::int32_t level = 0;
-    /// The iterations and the time that earlier, failed attempts have taken.
-    std::int32_t iterations = 0;
-    double seconds = 0;
-  };
-  /// Transitions from one start.
-  struct Batch {
-    ToolSpaceId tool_space = 0;
-    /// The start; not usable: the targets need no start.
-    ConfigurationSummary start;
-    /// The state of the start; null: it was not read yet, or there is no start.
-    std::shared_ptr<const Equilibrium> state;
-    std::deque<Target> targets;
-    [[nodiscard]] bool has_start() const { return start.usable(); }
-  };
+  using Target = TransitionTarget;
+  using Batch = TransitionBatch;
   /// A configuration, and the rank whose record has it.
-  struct Held {
+  struct Located {
     ConfigurationSummary summary;
     int rank = 0;
   };
   /// A question to the owner of a start, or an answer to the owner of a target.
   struct Question {
-    enum class Kind : char { want, refused, offer };
-    Kind kind = Kind::want;
+    enum class Kind : char { request, refusal, offer };
+    Kind kind = Kind::request;
     Target target;
     CheckPoint start{};
-    /// If the answer is `refused`: the start is beyond the force limit.
+    /// If the answer is a refusal: the start is beyond the force limit.
     bool beyond_limit = false;
   };
   /// The tool space, or the part of a spread one, that this rank owns.
@@ -108,7 +108,7 @@ class Engine final : public Worker {
     std::map<CheckPoint, bool> ended;
     std::map<CheckPoint, std::vector<Target>> waiting;
     /// The usable configurations, with their ranks.
-    std::map<StateKey, Held> held;
+    std::map<StateKey, Located> located;
     /// Failed transitions that may be tried from another start. Iterations and time are the sum
     /// over all attempts.
     std::map<CheckPoint, ConfigurationSummary> failed;
@@ -119,29 +119,28 @@ class Engine final : public Worker {
   void recall_some(Mail& mail);
   void recall(Unpacker& content, Mail& mail);
   void tell();
-  void hand_out(ToolSpaceId tool_space, Mail& mail);
+  /// Sends the transitions that a strategy asks for to the ranks that have their starts, and
+  /// records the targets that it has given up.
+  void send_transitions(ToolSpaceId tool_space, Mail& mail);
   /// The target of a transition, with the iterations and the time of earlier attempts.
   [[nodiscard]] static Target target_of(const Owned& owned, const Transition& transition);
   void settle(ToolSpaceId tool_space, Owned& owned, const Settlement& settlement, Mail& mail);
   void take_in(ToolSpaceId tool_space, const ConfigurationSummary& found, int rank, Mail& mail);
-  /// Tells those that wait for a check-point of a spread tool space that it was found, or given up.
-  void conclude(ToolSpaceId tool_space, Owned& owned, const ConfigurationSummary& found,
-                bool is_recalled, Mail& mail);
+  /// Answers those that wait for a check-point of a spread tool space which was found, or given up.
+  void answer_waiting(ToolSpaceId tool_space, Owned& owned, const ConfigurationSummary& found,
+                      bool is_recalled, Mail& mail);
   void ask(ToolSpaceId tool_space, const CheckPoint& of, const Question& question, Mail& mail);
   void hear(ToolSpaceId tool_space, const Question& question, Mail& mail);
   /// Sends the transitions that wait for a start which is known here. They are grouped by start, so
   /// that each start is factorised once.
-  void send_wanted(Mail& mail);
+  void send_ready(Mail& mail);
   /// Sends transitions from one start to the rank whose record has the start.
-  void send(ToolSpaceId tool_space, const Held& start, const std::vector<Target>& targets,
+  void send(ToolSpaceId tool_space, const Located& start, const std::vector<Target>& targets,
             Mail& mail);
-  /// Puts a batch into the priority queue, behind batches of the same distance.
-  void enqueue(Batch&& batch);
-  /// Takes out the batch that is to be made next.
-  [[nodiscard]] Batch take_next();
-  /// The batch that would be made last of all.
-  [[nodiscard]] Batch& last();
-  [[nodiscard]] Batch take_last();
+  /// Sends the latest steering to the other ranks.
+  void send_steering(Mail& mail);
+  /// Follows a steering, if it is later than the one that is followed now.
+  void hear_steering(Unpacker& content);
   /// Takes every other target out of a batch, for another rank.
   [[nodiscard]] static Batch split(Batch& batch);
   /// @param with_state Also packs the state of the start, for a rank whose record does not have it.
@@ -151,7 +150,9 @@ class Engine final : public Worker {
   /// was kept, the equilibrium is solved for again; if it is not found again, its outcome says so
   /// and the transitions from it fail.
   void load_state(Batch& batch);
-  [[nodiscard]] const PlannedSpace& space(ToolSpaceId tool_space) const;
+  [[nodiscard]] const PlannedSpace& space(ToolSpaceId tool_space) const {
+    return find_space(spaces_, tool_space);
+  }
   [[nodiscard]] const ToolSpaceSetup& setup_of(ToolSpaceId tool_space) const {
     return space(tool_space).setup;
   }
@@ -172,7 +173,11 @@ class Engine final : public Worker {
   Monitor& monitor_;
   PrecomputeReport& report_;
   std::map<ToolSpaceId, Owned> owned_;
-  bool is_first_round_ = true;
+  /// What the next run begins with: what earlier runs have found, a new round, or the tasks that
+  /// are left of a run that was paused.
+  enum class Begin : char { recall, plan, resume };
+  Begin begin_ = Begin::recall;
+  bool is_discarded_ = false;
   /// On rank 0: the tool spaces whose owners were not told yet what earlier runs have found, and
   /// what is left to tell of the first of them; null until it is read.
   std::deque<ToolSpaceId> to_recall_;
@@ -180,12 +185,14 @@ class Engine final : public Worker {
   /// The number of targets that were given up here without any transition.
   std::int64_t num_not_reached_ = 0;
   /// Targets that wait for a start which is known here, by start.
-  std::map<std::pair<ToolSpaceId, CheckPoint>, std::vector<Target>> wanted_;
-  /// The priority queue: batches by the distance of their first target, see
-  /// ExplorationPlan::distance().
-  std::multimap<double, Batch> due_;
-  /// The stack of the depth-first search: its last batch is made next, before any of the queue.
-  std::deque<Batch> begun_;
+  std::map<std::pair<ToolSpaceId, CheckPoint>, std::vector<Target>> ready_;
+  TransitionQueue queue_;
+  /// The number and the rank of the steering that is followed; the greater pair is the later one.
+  std::pair<std::int64_t, int> steering_version_{0, 0};
+  /// A steering that was given between two runs, for the other ranks.
+  std::optional<Steering> to_send_;
+  /// The batches that rank 0 makes now, since its record has their starts.
+  std::vector<Batch> moved_;
   /// The batch whose transition is being made.
   std::optional<Batch> current_;
 };

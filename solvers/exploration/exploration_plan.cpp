@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "exploration/exploration_plan.h"
 
+#include <algorithm>
+
 #include "exploration/adaptive_grid.h"
 #include "exploration/layered_grid.h"
 #include "exploration/levelled_grid.h"
@@ -36,6 +38,12 @@ std::uint64_t ExplorationPlan::owner_key(ToolSpaceId tool_space, const CheckPoin
   if (!is_spread()) return key;
   for (const std::int32_t x : p) key = mix(key) ^ static_cast<std::uint32_t>(x);
   return key;
+}
+
+const PlannedSpace& find_space(const std::vector<PlannedSpace>& spaces, ToolSpaceId tool_space) {
+  return *std::lower_bound(
+      spaces.begin(), spaces.end(), tool_space,
+      [](const PlannedSpace& space, ToolSpaceId id) { return space.setup.id < id; });
 }
 
 std::shared_ptr<const ExplorationPlan> make_grid_plan(const ToolSpaceSetup& setup) {

@@ -44,6 +44,10 @@ struct PlannedSpace {
   std::shared_ptr<const ExplorationPlan> plan;
 };
 
+/// The space of a number that is among some spaces, which are ordered by their numbers.
+[[nodiscard]] const PlannedSpace& find_space(const std::vector<PlannedSpace>& spaces,
+                                             ToolSpaceId tool_space);
+
 /// The plan of a grid around rest, by the strategy that the policy asks for.
 [[nodiscard]] std::shared_ptr<const ExplorationPlan> make_grid_plan(const ToolSpaceSetup& setup);
 

@@ -100,7 +100,9 @@ LayeredGrid::Status& LayeredGrid::at(const CheckPoint& p) {
 
 std::int64_t LayeredGrid::num_expected() const { return static_cast<std::int64_t>(status_.size()); }
 
-bool LayeredGrid::is_complete() const { return has_begun_ && num_under_way_ == 0 && due_.empty(); }
+bool LayeredGrid::is_complete() const {
+  return has_started_ && num_under_way_ == 0 && pending_.empty();
+}
 
 void LayeredGrid::take_in(const ConfigurationSummary& found) {
   const CheckPoint p = on_grid(found.check_point, step_);
@@ -152,13 +154,13 @@ void LayeredGrid::decide(const CheckPoint& target) {
   if (status != Status::open) return;
   const auto failed = failed_from_.find(target);
   const bool is_new = failed == failed_from_.end();
-  const auto give_out = [&](const CheckPoint& start) {
+  const auto ask_for = [&](const CheckPoint& start) {
     status = Status::under_way;
     ++num_under_way_;
-    due_.push_back({scaled(target, step_), scaled(start, step_)});
+    pending_.push_back({scaled(target, step_), scaled(start, step_)});
   };
   if (layer_of(target) == 0) {
-    if (is_new) return give_out(target);
+    if (is_new) return ask_for(target);
   } else {
     int num_starts = 0;
     bool tried = !is_new;
@@ -168,7 +170,7 @@ void LayeredGrid::decide(const CheckPoint& target) {
       if (of_start == Status::open || of_start == Status::under_way) return;
       if (of_start != Status::start) continue;
       if (++num_starts > kMaxLayerStarts) break;
-      if (!tried) return give_out(start);
+      if (!tried) return ask_for(start);
       if (start == failed->second) tried = false;
     }
   }
@@ -178,7 +180,7 @@ void LayeredGrid::decide(const CheckPoint& target) {
 }
 
 std::vector<Transition> LayeredGrid::next() {
-  if (!std::exchange(has_begun_, true)) {
+  if (!std::exchange(has_started_, true)) {
     // Go through the layers, so that targets which an earlier run has left open are decided.
     for (std::int32_t layer = 0; layer <= reach_; ++layer) {
       for (std::int32_t i = -layer; i <= layer; ++i) {
@@ -193,9 +195,9 @@ std::vector<Transition> LayeredGrid::next() {
     }
   }
   // The sort is stable: targets of the same start keep their order.
-  std::stable_sort(due_.begin(), due_.end(),
+  std::stable_sort(pending_.begin(), pending_.end(),
                    [](const Transition& a, const Transition& b) { return a.start < b.start; });
-  return std::exchange(due_, {});
+  return std::exchange(pending_, {});
 }
 
 std::vector<CheckPoint> LayeredGrid::given_up() { return std::exchange(given_up_, {}); }

@@ -63,11 +63,11 @@ class LayeredGrid final : public ExplorationStrategy {
   /// The status of each check-point [(2 reach + 1)³], k fastest.
   std::vector<Status> status_;
   std::int64_t num_under_way_ = 0;
-  bool has_begun_ = false;
+  bool has_started_ = false;
   /// By target, the start of the last step to it, which failed. Both are in steps of this grid;
-  /// due_ and given_up_ are in those of the tool space's grid.
+  /// pending_ and given_up_ are in those of the tool space's grid.
   std::map<CheckPoint, CheckPoint> failed_from_;
-  std::vector<Transition> due_;
+  std::vector<Transition> pending_;
   std::vector<CheckPoint> given_up_;
 };
 

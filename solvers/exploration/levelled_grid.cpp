@@ -65,21 +65,21 @@ std::int64_t LevelledGrid::num_expected() const {
 std::vector<Settlement> LevelledGrid::settled() { return std::exchange(settled_, {}); }
 
 std::vector<Transition> LevelledGrid::next() {
-  std::vector<Transition> due = flat_.next();
-  if (!due.empty() || !flat_.is_complete() || num_under_way_ > 0) return due;
+  std::vector<Transition> transitions = flat_.next();
+  if (!transitions.empty() || !flat_.is_complete() || num_under_way_ > 0) return transitions;
   if (!std::exchange(has_suspects_, true)) find_suspects();
   for (std::set<Key> round = missing(); !round.empty(); round = missing()) {
     // Transitions with the same start are next to each other, as their keys are.
     for (const Key& key : round) {
       if (recalled_.count(key) > 0 || candidates_.count(key) > 0) continue;
       const auto& [start, start_level, target] = key;
-      due.push_back({target, start, start_level, true});
+      transitions.push_back({target, start, start_level, true});
     }
-    if (!due.empty()) break;
+    if (!transitions.empty()) break;
     for (const Key& key : round) settle(key);
   }
-  num_under_way_ = due.size();
-  return due;
+  num_under_way_ = transitions.size();
+  return transitions;
 }
 
 bool LevelledGrid::is_in_box(const CheckPoint& p) const {

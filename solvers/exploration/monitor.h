@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A monitor reports the progress of all ranks to the user, and tells the solvers when to stop: when
-// an abort was asked for on any rank.
+// an abort was asked for on any rank. It pauses the run when that was asked for.
 #pragma once
 
 #include <cstdint>
 #include <map>
 #include <utility>
 
-#include "exploration/precompute.h"
+#include "exploration/progress.h"
 #include "exploration/transfer.h"
 #include "schedule/scheduler.h"
 
@@ -32,6 +32,10 @@ class Monitor {
   /// Set the mailbox at the start of a run, and null at its end. In between, go_on() serves
   /// messages of other ranks.
   void set_mail(Mail* mail) { mail_ = mail; }
+  /// The mailbox; null: no run is going on.
+  [[nodiscard]] Mail* mail() const { return mail_; }
+  /// Pauses the run when `until` says so; empty: it never does.
+  void pause_when(Until until) { until_ = std::move(until); }
 
   /// Stores the progress of this rank, and sends it to rank 0 every kInterval. Call this during a
   /// run.
@@ -49,6 +53,10 @@ class Monitor {
   bool go_on() {
     if (mail_ != nullptr && !mail_->poll()) stopped_ = true;
     if (!stopped_ && progress_ && !progress_(state())) stopped_ = true;
+    if (!stopped_ && mail_ != nullptr && until_ && until_(state())) {
+      until_ = {};
+      mail_->pause();
+    }
     return !stopped_;
   }
 
@@ -73,6 +81,7 @@ class Monitor {
   }
 
   Progress progress_;
+  Until until_;
   /// On rank 0 the counts of all ranks, elsewhere that of this one.
   std::map<int, Count> of_ranks_;
   const Network& network_;

@@ -166,7 +166,14 @@ class MemoryRecord final : public Record {
     return found_.at(key_of(tool_space, summary));
   }
 
+  void resume() override {}
+  [[nodiscard]] bool has_moved() const override { return false; }
+
   [[nodiscard]] TouchSpace finish(bool /*complete*/, double bound) override {
+    return publish(bound);
+  }
+
+  [[nodiscard]] TouchSpace publish(double bound) override {
     Parts parts;
     std::vector<StateKey> whole;
     for (const auto& [key, c] : found_) {
@@ -174,8 +181,8 @@ class MemoryRecord final : public Record {
       parts.configurations.emplace_back(key.tool_space, c);
       if (c.usable()) whole.push_back(key);
     }
-    parts.transitions = std::exchange(transitions_, {});
-    parts.intermediate_states = std::exchange(intermediate_states_, {});
+    parts.transitions = transitions_;
+    parts.intermediate_states = intermediate_states_;
     return assemble(
         scene_, setups_, std::move(parts), whole,
         [this](const StateKey& key) { return from_rest(scene_, found_.at(key)); }, bound,
@@ -199,18 +206,10 @@ class FileRecord final : public Record {
         scene_(scene),
         setups_(setups),
         keep_(keep),
+        bound_(bound),
         communicator_(communicator),
         files_(path, scene, solver_tolerance, communicator) {
-    files_.open([&](StateSpaceFile& file) {
-      if (file.keep() < keep) {
-        throw InputError(path_.string() + " keeps less of the displacements (Keep is " +
-                         name_of(file.keep()) + ") than is asked for (" + name_of(keep) +
-                         "), and what it has left out is lost. Ask for " + name_of(file.keep()) +
-                         ", or give another file name.");
-      }
-      require_bound(file, bound);
-      for (const ToolSpaceSetup& setup : setups) file.add_tool_space(setup);
-    });
+    open();
   }
 
   [[nodiscard]] Known known(ToolSpaceId tool_space) const override {
@@ -256,6 +255,10 @@ class FileRecord final : public Record {
     return files_.own().keep_of(tool_space, summary);
   }
 
+  [[nodiscard]] TouchSpace publish(double bound) override { return finish(false, bound); }
+  void resume() override { open(); }
+  [[nodiscard]] bool has_moved() const override { return communicator_.size() > 1; }
+
   [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
     if (complete && keep_ < Keep::all) {
       reduce_into_file(bound);
@@ -277,6 +280,21 @@ class FileRecord final : public Record {
   }
 
  private:
+  /// @throws InputError the file keeps less than is asked for, or with a larger error.
+  /// @note Collective
+  void open() {
+    files_.open([&](StateSpaceFile& file) {
+      if (file.keep() < keep_) {
+        throw InputError(path_.string() + " keeps less of the displacements (Keep is " +
+                         name_of(file.keep()) + ") than is asked for (" + name_of(keep_) +
+                         "), and what it has left out is lost. Ask for " + name_of(file.keep()) +
+                         ", or give another file name.");
+      }
+      require_bound(file, bound_);
+      for (const ToolSpaceSetup& setup : setups_) file.add_tool_space(setup);
+    });
+  }
+
   /// @throws InputError what the file keeps of these spaces has a larger error than is asked for.
   void require_bound(const StateSpaceFile& file, double bound) const {
     for (const ToolSpaceSetup& setup : setups_) {
@@ -492,6 +510,7 @@ class FileRecord final : public Record {
   const Scene& scene_;
   std::vector<ToolSpaceSetup> setups_;
   Keep keep_;
+  double bound_;
   Communicator& communicator_;
   RankFiles files_;
 };

@@ -52,6 +52,15 @@ class Record {
                                   const ConfigurationSummary& /*summary*/) const {
     return Keep::all;
   }
+  /// The space so far, as finish() gives it. Others may read the file, if there is one, until
+  /// resume().
+  /// @note Collective
+  [[nodiscard]] virtual TouchSpace publish(double bound) = 0;
+  /// Goes on after publish(). Call this before any other function.
+  /// @note Collective
+  virtual void resume() = 0;
+  /// Whether publish() has moved what all ranks have kept to rank 0, and it stays there.
+  [[nodiscard]] virtual bool has_moved() const = 0;
   /// Joins what all ranks have kept. The result is complete on rank 0, and empty elsewhere.
   /// @param complete Whether the whole space was explored.
   /// @param bound The largest error of a displacement that is reduced to modes, as a share of the

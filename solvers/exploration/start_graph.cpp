@@ -36,16 +36,16 @@ class OwnedTargets final : public ExplorationStrategy {
   void offer(const CheckPoint& target, const CheckPoint& start) override {
     const auto here = states_.find(target);
     if (here == states_.end() || here->second.is_done || !is_tried(here->second, start)) return;
-    due_.push_back({target, start});
+    pending_.push_back({target, start});
   }
 
   [[nodiscard]] std::vector<Transition> next() override {
-    if (!std::exchange(has_begun_, true)) {
+    if (!std::exchange(has_started_, true)) {
       for (const StartGraph::Target* target : order_) begin(*target);
     }
-    std::stable_sort(due_.begin(), due_.end(),
+    std::stable_sort(pending_.begin(), pending_.end(),
                      [](const Transition& a, const Transition& b) { return a.start < b.start; });
-    return std::exchange(due_, {});
+    return std::exchange(pending_, {});
   }
 
   [[nodiscard]] std::vector<CheckPoint> given_up() override { return std::exchange(given_up_, {}); }
@@ -81,11 +81,11 @@ class OwnedTargets final : public ExplorationStrategy {
   void begin(const StartGraph::Target& target) {
     const State& state = states_.at(target.check_point);
     if (state.is_done) return;
-    if (target.starts.empty()) return due_.push_back({target.check_point, target.check_point});
+    if (target.starts.empty()) return pending_.push_back({target.check_point, target.check_point});
     const CheckPoint& first = target.starts.front();
     // If the first start is sought too, the target follows from it and is not asked for here.
     const bool follows = first != target.check_point && graph_.find(first) != nullptr;
-    if (!follows) due_.push_back({target.check_point, first});
+    if (!follows) pending_.push_back({target.check_point, first});
   }
 
   /// Tries the next start of a target, or gives the target up.
@@ -95,12 +95,12 @@ class OwnedTargets final : public ExplorationStrategy {
     const bool had_none = state.tried >= starts.size();
     if (!had_none) ++state.tried;
     if (state.tried < starts.size()) {
-      return due_.push_back({target.check_point, starts[state.tried]});
+      return pending_.push_back({target.check_point, starts[state.tried]});
     }
     const bool from_none_failed =
         had_none || std::find(starts.begin(), starts.end(), target.check_point) != starts.end();
     if (!from_none_failed && !state.is_beyond_limit) {
-      return due_.push_back({target.check_point, target.check_point});
+      return pending_.push_back({target.check_point, target.check_point});
     }
     state.is_done = true;
     given_up_.push_back(target.check_point);
@@ -109,8 +109,8 @@ class OwnedTargets final : public ExplorationStrategy {
   const StartGraph& graph_;
   std::vector<const StartGraph::Target*> order_;
   std::map<CheckPoint, State> states_;
-  bool has_begun_ = false;
-  std::vector<Transition> due_;
+  bool has_started_ = false;
+  std::vector<Transition> pending_;
   std::vector<CheckPoint> given_up_;
 };
 

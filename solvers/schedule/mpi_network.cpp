@@ -188,18 +188,18 @@ class MpiNetwork final : public Network {
 
   /// Returns the message of which this part is the last one.
   std::optional<Message> add(Part&& part) {
-    const auto begun = begun_.find(part.from);
-    if (begun == begun_.end()) {
+    const auto partial = partial_.find(part.from);
+    if (partial == partial_.end()) {
       if (part.last) return Message{part.from, part.tag, std::move(part.content)};
-      begun_.emplace(part.from, std::move(part.content));
+      partial_.emplace(part.from, std::move(part.content));
       return std::nullopt;
     }
     with_reserve([&] {
-      begun->second.insert(begun->second.end(), part.content.begin(), part.content.end());
+      partial->second.insert(partial->second.end(), part.content.begin(), part.content.end());
     });
     if (!part.last) return std::nullopt;
-    Message message{part.from, part.tag, std::move(begun->second)};
-    begun_.erase(begun);
+    Message message{part.from, part.tag, std::move(partial->second)};
+    partial_.erase(partial);
     return message;
   }
 
@@ -213,7 +213,7 @@ class MpiNetwork final : public Network {
   /// Parts in the order of their arrival.
   std::deque<Part> incoming_;
   /// Messages of which only the first parts are here, by sender.
-  std::unordered_map<int, Bytes> begun_;
+  std::unordered_map<int, Bytes> partial_;
   /// The memory is never written to, so that it takes address space alone. Null: there is no other
   /// rank, or no memory was left.
   std::unique_ptr<std::byte[]> reserve_;

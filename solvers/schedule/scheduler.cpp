@@ -15,6 +15,7 @@ enum Tag : int {
   /// The number of bytes of mail that were read.
   kConfirmation,
   kStop,
+  kPause,
   /// The answers to a request.
   kShare,
   kRefusal,
@@ -96,7 +97,7 @@ bool run(Worker& worker, Communicator& communicator, ScheduleReport* report,
     if (report != nullptr) *report = scheduler.report();
     if (scheduler.error()) std::rethrow_exception(scheduler.error());
   });
-  return !scheduler.stopped();
+  return !scheduler.stopped() && !scheduler.paused();
 }
 
 ScheduleReport sum(Communicator& communicator, const ScheduleReport& mine) {
@@ -196,6 +197,8 @@ bool Scheduler::poll() {
 
 void Scheduler::stop() { spread_stop(rank_); }
 
+void Scheduler::pause() { spread_pause(rank_); }
+
 void Scheduler::transmit(int to, int tag, Bytes content) {
   const std::size_t bytes = content.size();
   network_.send(to, tag, std::move(content));
@@ -214,6 +217,7 @@ void Scheduler::take_in(Message&& message) {
     case kMail: keep(std::move(message)); break;
     case kConfirmation: unread_ -= value_of<std::size_t>(message.content); break;
     case kStop: spread_stop(message.from); break;
+    case kPause: spread_pause(message.from); break;
     case kShare:
       --num_asked_;
       ++report_.steals_granted;
@@ -274,7 +278,7 @@ void Scheduler::take_shares() {
 }
 
 bool Scheduler::may_work() const {
-  return !stopped_ && unread_ <= most_unread_ && worker_.has_work();
+  return !stopped_ && !paused_ && unread_ <= most_unread_ && worker_.has_work();
 }
 
 void Scheduler::execute_task() {
@@ -291,14 +295,15 @@ void Scheduler::execute_task() {
 
 void Scheduler::answer(int asker) {
   Bytes share;
-  if (!stopped_ && (in_task_ || worker_.has_work())) guard([&] { share = worker_.give(); });
+  if (!stopped_ && !paused_ && (in_task_ || worker_.has_work()))
+    guard([&] { share = worker_.give(); });
   assert(in_task_ || share.empty() || worker_.has_work());
   const Tag tag = share.empty() ? kRefusal : kShare;
   transmit(asker, tag, std::move(share));
 }
 
 bool Scheduler::may_ask() const {
-  return num_asked_ < kMostUnanswered && !last_wave_ && !stopped_ && size_ > 1;
+  return num_asked_ < kMostUnanswered && !last_wave_ && !stopped_ && !paused_ && size_ > 1;
 }
 
 void Scheduler::ask_for_work() {
@@ -328,7 +333,8 @@ int Scheduler::random_rank() {
 // Termination
 
 bool Scheduler::passive() const {
-  return inbox_.empty() && shares_.empty() && (stopped_ || !worker_.has_work());
+  const bool ends = stopped_ || paused_;
+  return inbox_.empty() && shares_.empty() && (ends || !worker_.has_work());
 }
 
 void Scheduler::open_wave(bool last) {
@@ -347,10 +353,10 @@ void Scheduler::join_wave() {
   wave_open_ = false;
   wave_.sent += counts_.sent;
   wave_.received += counts_.received;
-  rank_ == 0 ? conclude_wave() : transmit(parent_, kJoined, bytes_of(wave_));
+  rank_ == 0 ? end_wave() : transmit(parent_, kJoined, bytes_of(wave_));
 }
 
-void Scheduler::conclude_wave() {
+void Scheduler::end_wave() {
   if (last_wave_) {
     leave();
   } else if (has_previous_ && previous_wave_.received == wave_.sent) {
@@ -373,10 +379,17 @@ void Scheduler::leave() {
 
 /// Spreads over the tree that the run stops, away from the rank that has told this one.
 void Scheduler::spread_stop(int heard_from) {
-  if (std::exchange(stopped_, true)) return;
-  if (rank_ > 0 && parent_ != heard_from) transmit(parent_, kStop, {});
+  if (!std::exchange(stopped_, true)) spread(kStop, heard_from);
+}
+
+void Scheduler::spread_pause(int heard_from) {
+  if (!std::exchange(paused_, true)) spread(kPause, heard_from);
+}
+
+void Scheduler::spread(int tag, int heard_from) {
+  if (rank_ > 0 && parent_ != heard_from) transmit(parent_, tag, {});
   for (const int child : children_) {
-    if (child != heard_from) transmit(child, kStop, {});
+    if (child != heard_from) transmit(child, tag, {});
   }
 }
 

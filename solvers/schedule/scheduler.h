@@ -79,7 +79,7 @@ struct ScheduleReport {
 };
 
 /// Executes the workers' tasks until no rank has work and no message is under way.
-/// @returns false: the run was stopped. It is the same on every rank.
+/// @returns false: the run was stopped or paused. It is the same on every rank.
 /// @param report Receives the figures of this rank.
 /// @note Collective. A worker's error is thrown on all ranks, see agree().
 [[nodiscard]] bool run(Worker& worker, Communicator& communicator, ScheduleReport* report = nullptr,
@@ -107,7 +107,9 @@ class Scheduler final : private Mail {
   /// A time by the clock of the network, which may be infinite.
   [[nodiscard]] double idle_until() const;
 
+  /// Whether the run has ended early.
   [[nodiscard]] bool stopped() const { return stopped_; }
+  [[nodiscard]] bool paused() const { return paused_; }
   /// What the worker threw on this rank; null if it threw nothing.
   [[nodiscard]] std::exception_ptr error() const { return error_; }
   [[nodiscard]] const ScheduleReport& report() const { return report_; }
@@ -124,6 +126,7 @@ class Scheduler final : private Mail {
   void send(int rank, Bytes message) override;
   bool poll() override;
   void stop() override;
+  void pause() override;
 
   template <class F>
   void guard(F&& call);
@@ -150,9 +153,11 @@ class Scheduler final : private Mail {
   void open_wave(bool last);
   [[nodiscard]] bool may_join_wave() const;
   void join_wave();
-  void conclude_wave();
+  void end_wave();
   void leave();
   void spread_stop(int heard_from);
+  void spread_pause(int heard_from);
+  void spread(int tag, int heard_from);
 
   Worker& worker_;
   Network& network_;
@@ -163,6 +168,7 @@ class Scheduler final : private Mail {
   bool started_ = false;
   bool in_task_ = false;
   bool stopped_ = false;
+  bool paused_ = false;
   bool discarded_ = false;
   bool over_ = false;
   std::exception_ptr error_;

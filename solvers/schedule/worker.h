@@ -32,6 +32,10 @@ class Mail {
 
   /// Ends the run early, on all ranks.
   virtual void stop() = 0;
+  /// Ends the run before its tasks are done, on all ranks, and loses nothing: no task begins any
+  /// more, tasks that are being executed are completed, and all mail is delivered. Another run of
+  /// the same workers goes on with the tasks that are left.
+  virtual void pause() = 0;
 
  protected:
   Mail() = default;

@@ -192,6 +192,9 @@ class TransitionRecord final : public Record {
                                    const ConfigurationSummary& summary) const override {
     return {summary, {}, {}, {}, {}};
   }
+  [[nodiscard]] TouchSpace publish(double) override { return {}; }
+  void resume() override {}
+  [[nodiscard]] bool has_moved() const override { return false; }
   [[nodiscard]] TouchSpace finish(bool, double) override { return {}; }
 
   Known left;

@@ -163,6 +163,9 @@ class KeptRecord final : public Record {
         << "this rank has no such configuration";
     return {summary, {}, {}, {}, {}};
   }
+  [[nodiscard]] TouchSpace publish(double) override { return {}; }
+  void resume() override {}
+  [[nodiscard]] bool has_moved() const override { return false; }
   [[nodiscard]] TouchSpace finish(bool, double) override { return {}; }
 
   std::vector<ConfigurationSummary> kept;

@@ -95,6 +95,31 @@ TEST_P(OnSimulatedRanks, ExecutesARandomGraphOnce) {
   }
 }
 
+TEST_P(OnSimulatedRanks, APausedRunGoesOnWithTheTasksThatAreLeft) {
+  int num_pauses = 0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    RandomGraph graph;
+    graph.seed = seed;
+    Simulation simulation(GetParam(), jittery(seed));
+    GraphRun graph_run(simulation, graph, static_cast<int>(seed) % GetParam());
+    int num_left = 7;
+    for (int r = 0; r < GetParam(); ++r) {
+      graph_run.workers[r]->during = [&, r](Key key, Mail& mail) {
+        simulation.spend(r, 5e-3 * graph.cost(key));
+        if (--num_left == 0) mail.pause();
+      };
+    }
+    while (!graph_run.run(options_of(seed))) {
+      ASSERT_EQ(simulation.under_way().messages, 0);
+      ++num_pauses;
+      num_left = 7;
+    }
+    ASSERT_EQ(graph_run.executed(), reachable(graph)) << "seed " << seed;
+  }
+  // A graph has dozens of tasks on average.
+  EXPECT_GT(num_pauses, 50);
+}
+
 /// Messages that wander from rank to rank while hardly any rank is busy, the hard case of finding
 /// the end. One of length n > 0 is followed by two of n − 1 together, here or by way of a task,
 /// one of length 0 by none: so n leads to 2n + 1 messages.

@@ -214,6 +214,9 @@ class ReplayRecord final : public Record {
                                    const ConfigurationSummary& summary) const override {
     return {summary, {}, {}, {}, {}};
   }
+  [[nodiscard]] TouchSpace publish(double) override { return {}; }
+  void resume() override {}
+  [[nodiscard]] bool has_moved() const override { return false; }
   [[nodiscard]] TouchSpace finish(bool, double) override { return {}; }
 
  private:

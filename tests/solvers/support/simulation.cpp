@@ -162,7 +162,7 @@ bool Simulation::run(const std::vector<Worker*>& workers, const ScheduleOptions&
   for (const auto& scheduler : schedulers) {
     if (scheduler->error()) std::rethrow_exception(scheduler->error());
   }
-  return !schedulers.front()->stopped();
+  return !schedulers.front()->stopped() && !schedulers.front()->paused();
 }
 
 void Simulation::post(int from, int to, int tag, Bytes content) {

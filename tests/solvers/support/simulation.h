@@ -65,7 +65,7 @@ class Simulation {
   void let_receive_fail(int rank, int num_before);
 
   /// Executes the workers' tasks, one worker a rank. May be called again: time goes on.
-  /// @returns false: stopped.
+  /// @returns false: stopped or paused.
   /// @throws what the worker of the lowest rank that threw has thrown
   bool run(const std::vector<Worker*>& workers, const ScheduleOptions& options = {});
   /// Now, and the most at one time.

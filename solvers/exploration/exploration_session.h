@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An exploration that can be paused, steered and watched while it runs. It keeps the solver, the
+// plan, the record and the tasks that are left from one run to the next, so that a space may grow
+// under the hand without being begun anew. precompute() is a session that is run once.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "exploration/precompute_options.h"
+#include "exploration/precompute_report.h"
+#include "exploration/progress.h"
+#include "exploration/steering.h"
+#include "linear/linear_solver.h"
+#include "schedule/communicator.h"
+#include "state_space/touch_space.h"
+
+namespace palpate {
+
+struct PrecomputeResult {
+  /// The space on rank 0; empty elsewhere.
+  TouchSpace space;
+  /// The equilibrium of the body under its load, see Scene::settled.
+  SettledBody settled;
+  /// The report is equal on every rank.
+  PrecomputeReport report;
+  /// On rank 0: damaged parts of the file, which were removed when the run went on from it, see
+  /// StateSpaceFile::left_out().
+  std::vector<std::string> damaged;
+};
+
+class ExplorationSession {
+ public:
+  using MakeSolver = std::function<std::unique_ptr<LinearSolver>()>;
+
+  /// Opens the record, and plans the tool spaces. Call begin_exploration() instead, which checks
+  /// the options.
+  /// @param communicator The ranks that lead a solve. It must outlive the session.
+  /// @param make_solver Makes the solver of this rank; null: a solver without factorisation.
+  /// @throws InputError as precompute() does.
+  /// @note Collective
+  ExplorationSession(std::shared_ptr<const Scene> scene, const PrecomputeOptions& options,
+                     Communicator& communicator, const Progress& progress,
+                     const MakeSolver& make_solver);
+  ~ExplorationSession();
+  ExplorationSession(const ExplorationSession&) = delete;
+  ExplorationSession& operator=(const ExplorationSession&) = delete;
+
+  enum class State {
+    /// There are transitions to be made.
+    paused,
+    /// Nothing is left but what the steering has withdrawn.
+    withdrawn,
+    complete,
+    /// The progress function has ended the exploration. It cannot be run any further.
+    aborted,
+  };
+  /// Explores until the space is complete, or `until` pauses the run.
+  /// @returns The state, the same on every rank.
+  /// @note Collective
+  State run(const Until& until = {});
+  [[nodiscard]] State state() const;
+
+  /// Has all ranks follow a steering from now on. Call this on any rank, from within the progress
+  /// function or between two runs, on the thread of the run.
+  void steer(Steering steering);
+
+  /// The space so far. If there is a file it has all of this, and others may read it until the next
+  /// run. The report is that of this rank, see combine().
+  /// @note Collective
+  [[nodiscard]] PrecomputeResult publish();
+  /// Ends the session.
+  /// @returns The space. The report is that of this rank, see combine().
+  /// @note Collective
+  [[nodiscard]] PrecomputeResult finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate

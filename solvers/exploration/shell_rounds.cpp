@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/shell_rounds.h"
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "exploration/contact_shell.h"
+#include "exploration/transfer.h"
+
+namespace palpate {
+namespace {
+
+/// Halving a cell has helped if the error of the half is below this share of the cell's. Where the
+/// force is smooth, or contact begins, it falls to an eighth or less.
+constexpr double kHalvingShrinks = 1.0 / 3;
+
+}  // namespace
+
+ShellRounds::ShellRounds(PlannedSpace& space, const ToolClearance& clearance, const Vec3& begin_at)
+    : space_(space), clearance_(clearance), begin_at_(begin_at) {
+  take(static_cast<const StartGraph&>(*space.plan));
+}
+
+bool ShellRounds::plan(Engine& engine, Communicator& communicator, PrecomputeReport& report) {
+  gather_known(engine, communicator);
+  bool goes_on = false;
+  agree(communicator, [&] {
+    const ToolSpaceSetup& setup = space_.setup;
+    // Configurations of earlier runs that belong to later rounds do not count yet.
+    std::map<CheckPoint, ConfigurationSummary> known;
+    std::vector<ConfigurationSummary> found;
+    for (const auto& [p, c] : known_) {
+      if (asked_.count(p) == 0) continue;
+      known.emplace(p, c);
+      found.push_back(c);
+    }
+    const double tolerance = force_tolerance(setup.policy, found);
+    if (!(tolerance > 0)) return;
+    const Clearance clearance = [&](const Vec3& q) { return clearance_.clearance(q); };
+    const Refinement refinement =
+        plan_refinement(setup.grid, found, tolerance, 1, clearance,
+                        [&](const CellEstimate& estimate) { return is_in_vain(estimate); });
+    for (const CellEstimate& e : refinement.estimates) errors_[e.cell] = e.error;
+    auto graph = std::make_shared<const StartGraph>(
+        setup.id, refined_targets(clearance_, setup.grid, refinement.to_split, known, begin_at_));
+    if (graph->targets().empty()) return;
+    take(*graph);
+    space_.plan = std::move(graph);
+    engine.plan_anew();
+    report.num_rounds = ++num_rounds_;
+    goes_on = true;
+  });
+  return goes_on;
+}
+
+bool ShellRounds::is_in_vain(const CellEstimate& estimate) const {
+  const auto before = errors_.find(parent_of(estimate.cell, space_.setup.grid.reach()));
+  return before != errors_.end() && !(estimate.error < kHalvingShrinks * before->second);
+}
+
+void ShellRounds::take(const StartGraph& graph) {
+  for (const StartGraph::Target& target : graph.targets()) asked_.insert(target.check_point);
+}
+
+void ShellRounds::gather_known(const Engine& engine, Communicator& communicator) {
+  const std::vector<ConfigurationSummary>& here = engine.known_here(space_.setup.id);
+  Packer mine;
+  mine.put_list(std::vector<ConfigurationSummary>(
+      here.begin() + static_cast<std::ptrdiff_t>(num_told_), here.end()));
+  num_told_ = here.size();
+  for (const Bytes& bytes : communicator.all_gather(mine.take())) {
+    for (const auto& c : Unpacker(bytes).take_list<std::vector<ConfigurationSummary>>()) {
+      known_[c.check_point] = c;
+    }
+  }
+}
+
+}  // namespace palpate

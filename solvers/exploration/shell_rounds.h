@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The rounds in which cells of a rigid tool's space are halved. Every rank plans the same rounds.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <set>
+
+#include "exploration/engine.h"
+#include "exploration/start_graph.h"
+#include "interaction/tool_clearance.h"
+#include "interpolation/error_estimate.h"
+
+namespace palpate {
+
+class ShellRounds {
+ public:
+  /// @param space Its plan is a StartGraph, and is replaced by that of each further round. It must
+  ///   outlive the object, and so must the clearance.
+  ShellRounds(PlannedSpace& space, const ToolClearance& clearance, const Vec3& begin_at);
+
+  /// Plans the next round, after a complete one.
+  /// @returns false: no further round is needed.
+  /// @note Collective
+  bool plan(Engine& engine, Communicator& communicator, PrecomputeReport& report);
+
+ private:
+  /// Whether halving has not helped, as between the branches at a ridge.
+  [[nodiscard]] bool is_in_vain(const CellEstimate& estimate) const;
+  void take(const StartGraph& graph);
+  /// @note Collective
+  void gather_known(const Engine& engine, Communicator& communicator);
+
+  PlannedSpace& space_;
+  const ToolClearance& clearance_;
+  Vec3 begin_at_;
+  /// The check-points that the rounds so far have asked for.
+  std::set<CheckPoint> asked_;
+  std::map<CheckPoint, ConfigurationSummary> known_;
+  /// The error estimates of all cells so far, also of cells that were split since.
+  std::map<Cell, double> errors_;
+  std::size_t num_told_ = 0;
+  int num_rounds_ = 0;
+};
+
+}  // namespace palpate
