@@ -44,8 +44,16 @@ void put(const Task& task, Packer& message) {
   message.put_list(task.points);
 }
 
-Task take_task(Unpacker& content) {
-  return {content.take<std::int32_t>(), content.take_list<std::vector<std::int32_t>>()};
+/// @param points Those of all tool spaces, of which the task names some.
+Task take_task(Unpacker& content, const std::vector<std::vector<TestPoint>>& points) {
+  const auto tool_space = content.take<std::int32_t>();
+  Unpacker::require(tool_space >= 0 && static_cast<std::size_t>(tool_space) < points.size());
+  Task task{tool_space, content.take_list<std::vector<std::int32_t>>()};
+  const auto size = points[static_cast<std::size_t>(tool_space)].size();
+  Unpacker::require(std::all_of(task.points.begin(), task.points.end(), [&](std::int32_t point) {
+    return point >= 0 && static_cast<std::size_t>(point) < size;
+  }));
+  return task;
 }
 
 /// The tasks of a tool space, for points that are not known; a walk is always solved as a whole.
@@ -139,7 +147,7 @@ class Solver final : public Worker {
   }
 
   void take(const Bytes& share, Mail& /*mail*/) override {
-    for (Unpacker content(share); !content.at_end();) tasks.push_back(take_task(content));
+    for (Unpacker content(share); !content.at_end();) tasks.push_back(take_task(content, points_));
   }
 
   void discard() override { tasks.clear(); }
@@ -404,7 +412,7 @@ ExactResult solve_test_points(const Scene& asked, const std::vector<ToolSpaceSet
       [&](std::int32_t tool_space, const TestPoint& point) { record.keep(tool_space, point); });
   int next = 0;
   for (Unpacker content(tasks.front()); !content.at_end(); ++next) {
-    Task task = take_task(content);
+    Task task = take_task(content, points);
     if (next % communicator.size() == communicator.rank()) {
       worker.tasks.push_back(std::move(task));
     }

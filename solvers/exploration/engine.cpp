@@ -30,6 +30,7 @@ enum class Kind : std::uint8_t {
   /// To rank 0: the progress of the tool spaces that the sender owns.
   progress,
 };
+[[nodiscard]] bool is_sound(Kind kind) { return kind >= Kind::recalled && kind <= Kind::progress; }
 
 /// The number of transitions and configurations of earlier runs that one task tells the owners.
 constexpr std::size_t kRecalledAtOnce = 256;
@@ -217,6 +218,7 @@ void Engine::recall_some(Mail& mail) {
 /// Takes in, at an owner, what rank 0 tells of earlier runs.
 void Engine::recall(Unpacker& content, Mail& mail) {
   const auto id = content.take<ToolSpaceId>();
+  Unpacker::require(owned_.count(id) > 0);
   Owned& owned = owned_.at(id);
   const bool is_spread = space(id).plan->is_spread();
   for (const auto& transition : content.take_list<std::vector<LevelTransition>>()) {

@@ -93,6 +93,17 @@ class Engine final : public Worker {
     CheckPoint start{};
     /// If the answer is a refusal: the start is beyond the force limit.
     bool beyond_limit = false;
+
+    [[nodiscard]] friend bool is_sound(Kind kind) {
+      return kind >= Kind::request && kind <= Kind::offer;
+    }
+    template <class Visit>
+    friend void for_each_part(Question& question, Visit&& visit) {
+      visit(question.kind);
+      visit(question.target);
+      visit(question.start);
+      visit(question.beyond_limit);
+    }
   };
   /// The tool space, or the part of a spread one, that this rank owns.
   struct Owned {

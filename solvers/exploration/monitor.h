@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "exploration/progress.h"
-#include "exploration/transfer.h"
+#include "schedule/packing.h"
 #include "schedule/scheduler.h"
 
 namespace palpate {
@@ -28,6 +28,13 @@ class Monitor {
     std::int64_t found = 0;
     std::int64_t reused = 0;
     std::int64_t expected = 0;
+
+    template <class Visit>
+    friend void for_each_part(Count& count, Visit&& visit) {
+      visit(count.found);
+      visit(count.reused);
+      visit(count.expected);
+    }
   };
   /// Set the mailbox at the start of a run, and null at its end. In between, go_on() serves
   /// messages of other ranks.

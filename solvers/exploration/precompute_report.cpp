@@ -7,6 +7,22 @@
 #include "exploration/transfer.h"
 
 namespace palpate {
+
+template <class Visit>
+void for_each_part(Work& work, Visit&& visit) {
+  visit(work.residuals);
+  visit(work.assemblies);
+  visit(work.analyses);
+  visit(work.factorisations);
+  visit(work.right_hand_sides);
+  visit(work.krylov_iterations);
+  visit(work.residual_seconds);
+  visit(work.assembly_seconds);
+  visit(work.analysis_seconds);
+  visit(work.factorisation_seconds);
+  visit(work.solve_seconds);
+}
+
 namespace {
 
 /// Adds the figure of another rank.

@@ -16,6 +16,15 @@
 #include "storage/stored_touch_space.h"
 
 namespace palpate {
+
+template <class Visit>
+void for_each_part(StateSpaceFile::BasisBox& box, Visit&& visit) {
+  visit(box.number);
+  visit(box.box);
+  visit(box.keep);
+  visit(box.error);
+}
+
 namespace {
 
 /// Rounding of a ratio of two stored numbers.

@@ -31,6 +31,19 @@ void for_each_part(Share& share, Visit&& visit) {
   visit(share.snapshots);
 }
 
+/// Whether the snapshots can be put into a batch.
+bool fit(const Share& share, const Snapshots& batch) {
+  const auto count = static_cast<Eigen::Index>(share.places.size());
+  const auto fits = [&](const auto& one, const auto& all, Eigen::Index columns) {
+    return one.rows() == all.rows() && one.cols() == columns * count;
+  };
+  const Snapshots& own = share.snapshots;
+  return fits(own.u, batch.u, 1) && fits(own.w, batch.w, 3) && fits(own.p, batch.p, 1) &&
+         fits(own.p_w, batch.p_w, 3) &&
+         std::all_of(share.places.begin(), share.places.end(),
+                     [&](Eigen::Index place) { return place >= 0 && place < batch.u.cols(); });
+}
+
 CheckPointBox cell_at(const CheckPoint& first, std::int32_t side) {
   CheckPointBox cell{first, first};
   for (auto& x : cell.last) x += side - 1;
@@ -207,6 +220,7 @@ class Round {
       Unpacker message(bytes);
       if (first == 0 && message.take<bool>()) begin = message.take<FieldBasis>();
       const auto share = message.take<Share>();
+      Unpacker::require(fit(share, batch));
       for (std::size_t i = 0; i < share.places.size(); ++i) {
         batch.set(share.places[i], share.snapshots, static_cast<Eigen::Index>(i));
       }

@@ -1,48 +1,133 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The messages between the ranks of a run, as bytes. Values are unpacked in the order in which they
-// were packed.
+// What the ranks of a run send of its values (schedule/packing.h).
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
-#include <limits>
-#include <map>
-#include <type_traits>
-#include <utility>
-#include <vector>
-
 #include "assembly/scene.h"
-#include "base/error.h"
 #include "fields/packed_basis.h"
-#include "schedule/communicator.h"
+#include "materials/rheology.h"
+#include "schedule/packing.h"
 #include "state_space/configuration.h"
 #include "state_space/test_point.h"
 #include "state_space/tool_space.h"
 
 namespace palpate {
 
-/// Whether values of a type are sent as their bytes in memory. Types with Eigen vectors of a fixed
-/// size are, though C++ does not call them trivially copyable.
-template <class T>
-struct IsPlain : std::is_trivially_copyable<T> {};
-/// Whether a pair is trivially copyable for C++ depends on its first type, so pairs go part by
-/// part.
-template <class A, class B>
-struct IsPlain<std::pair<A, B>> : std::false_type {};
-template <>
-struct IsPlain<ConfigurationSummary> : std::true_type {};
-template <>
-struct IsPlain<IntermediateState> : std::true_type {};
-template <>
-struct IsPlain<Grid> : std::true_type {};
+[[nodiscard]] inline bool is_sound(Outcome outcome) {
+  return outcome >= Outcome::converged && outcome <= Outcome::tool_inside;
+}
+[[nodiscard]] inline bool is_sound(History history) {
+  return history >= History::flat && history <= History::levels;
+}
+[[nodiscard]] inline bool is_sound(TestKind kind) {
+  return kind >= TestKind::uniform && kind <= TestKind::near_rest;
+}
+[[nodiscard]] inline bool is_sound(Keep keep) { return keep >= Keep::touch && keep <= Keep::all; }
+[[nodiscard]] inline bool is_sound(ElementOrder order) {
+  return order == ElementOrder::linear || order == ElementOrder::quadratic;
+}
+[[nodiscard]] inline bool is_sound(Law law) {
+  return law >= Law::linear && static_cast<int>(law) < num_laws;
+}
+[[nodiscard]] inline bool is_sound(Formulation formulation) {
+  return formulation == Formulation::displacement || formulation == Formulation::mixed;
+}
+/// Any: kinds of tools may be added. tool_kind() and shape_kind() refuse one that is unknown.
+[[nodiscard]] inline bool is_sound(InteractionKind /*kind*/) { return true; }
+[[nodiscard]] inline bool is_sound(ToolShape /*shape*/) { return true; }
 
-/// Calls visit for each part of a value that is not plain.
-template <class A, class B, class Visit>
-void for_each_part(std::pair<A, B>& both, Visit&& visit) {
-  visit(both.first);
-  visit(both.second);
+template <class Visit>
+void for_each_part(ConfigurationSummary& c, Visit&& visit) {
+  visit(c.check_point);
+  visit(c.level);
+  visit(c.parent);
+  visit(c.parent_level);
+  visit(c.t);
+  visit(c.energy);
+  visit(c.force);
+  visit(c.stiffness);
+  visit(c.third_derivative);
+  visit(c.outcome);
+  visit(c.flags);
+  visit(c.residual);
+  visit(c.minimum_det_f);
+  visit(c.negative_pivots);
+  visit(c.iterations);
+  visit(c.signature);
+  visit(c.reached);
+  visit(c.seconds);
+}
+template <class Visit>
+void for_each_part(IntermediateState& state, Visit&& visit) {
+  visit(state.target);
+  visit(state.number);
+  visit(state.t);
+  visit(state.energy);
+  visit(state.force);
+  visit(state.outcome);
+  visit(state.flags);
+  visit(state.seconds);
+}
+template <class Visit>
+void for_each_part(LevelTransition& transition, Visit&& visit) {
+  visit(transition.start);
+  visit(transition.start_level);
+  visit(transition.target);
+  visit(transition.reached);
+}
+template <class Visit>
+void for_each_part(StateKey& key, Visit&& visit) {
+  visit(key.tool_space);
+  visit(key.check_point);
+  visit(key.level);
+}
+template <class Visit>
+void for_each_part(CheckPointBox& box, Visit&& visit) {
+  visit(box.first);
+  visit(box.last);
+}
+template <class Visit>
+void for_each_part(FieldScale& scale, Visit&& visit) {
+  visit(scale.u);
+  visit(scale.w);
+  visit(scale.p);
+  visit(scale.p_w);
+}
+template <class Visit>
+void for_each_part(ContactLaw& law, Visit&& visit) {
+  visit(law.thickness);
+  visit(law.stiffness);
+  visit(law.offset);
+}
+template <class Visit>
+void for_each_part(Grid& grid, Visit&& visit) {
+  visit(grid.half_width);
+  visit(grid.resolution);
+  visit(grid.coarsest);
+  visit(grid.origin);
+  visit(grid.sparse);
+}
+template <class Visit>
+void for_each_part(ExplorationPolicy& policy, Visit&& visit) {
+  visit(policy.force_limit);
+  visit(policy.tolerance);
+  visit(policy.tolerance_is_relative);
+  visit(policy.history);
+  visit(policy.intermediate_states);
+  visit(policy.third_derivatives);
+  visit(policy.depth);
+}
+template <class Visit>
+void for_each_part(Rheology& rheology, Visit&& visit) {
+  visit(rheology.density);
+  visit(rheology.viscous_time);
+  visit(rheology.prony_moduli);
+  visit(rheology.prony_times);
+}
+template <class Visit>
+void for_each_part(Material& material, Visit&& visit) {
+  visit(material.law);
+  visit(material.parameters);
+  visit(material.formulation);
 }
 template <class Visit>
 void for_each_part(Configuration& configuration, Visit&& visit) {
@@ -142,161 +227,6 @@ void for_each_part(Scene& scene, Visit&& visit) {
   visit(scene.body_force);
   visit(scene.densities);
   visit(scene.settled);
-}
-
-class Packer {
- public:
-  template <class T>
-  void put(const T& value) {
-    if constexpr (IsPlain<T>::value) {
-      put(&value, sizeof value);
-    } else {
-      // The same visitor reads and writes the parts.
-      for_each_part(const_cast<T&>(value), [this](const auto& part) { put(part); });
-    }
-  }
-  template <class Scalar, int rows, int columns>
-  void put(const Eigen::Matrix<Scalar, rows, columns>& matrix) {
-    put(std::array<std::int64_t, 2>{matrix.rows(), matrix.cols()});
-    put(matrix.data(), static_cast<std::size_t>(matrix.size()) * sizeof(Scalar));
-  }
-  template <class Key, class T>
-  void put(const std::map<Key, T>& map) {
-    put_list(map);
-  }
-  template <class T>
-  void put(const std::vector<T>& list) {
-    if constexpr (IsPlain<T>::value) {
-      put(list.size());
-      put(list.data(), list.size() * sizeof(T));
-    } else {
-      put_list(list);
-    }
-  }
-  /// Packs the number of values, then each value.
-  /// @param list Any container of values that can be packed.
-  template <class List>
-  void put_list(const List& list) {
-    put(list.size());
-    for (const auto& value : list) put(value);
-  }
-
-  [[nodiscard]] Bytes take() { return std::move(bytes_); }
-
- private:
-  void put(const void* data, std::size_t size) {
-    const auto* first = static_cast<const std::byte*>(data);
-    bytes_.insert(bytes_.end(), first, first + size);
-  }
-
-  Bytes bytes_;
-};
-
-/// Takes values out of bytes, which must outlive it. A size is checked against the bytes that are
-/// left before memory is allocated for it.
-/// @throws BackendError the bytes do not hold such a value.
-class Unpacker {
- public:
-  explicit Unpacker(const Bytes& bytes) : bytes_(bytes) {}
-
-  [[nodiscard]] bool at_end() const { return at_ == bytes_.size(); }
-
-  template <class T>
-  [[nodiscard]] T take() {
-    T value;
-    take(value);
-    return value;
-  }
-  template <class T>
-  void take(T& value) {
-    if constexpr (IsPlain<T>::value) {
-      take(static_cast<void*>(&value), sizeof value);
-    } else {
-      for_each_part(value, [this](auto& part) { take(part); });
-    }
-  }
-  template <class Scalar, int rows, int columns>
-  void take(Eigen::Matrix<Scalar, rows, columns>& matrix) {
-    const auto shape = take<std::array<std::int64_t, 2>>();
-    require((rows < 0 || shape[0] == rows) && (columns < 0 || shape[1] == columns));
-    require(shape[0] >= 0 && shape[1] >= 0);
-    // A matrix without values may have any number of rows or columns that a matrix can have.
-    const auto most = static_cast<std::int64_t>(std::numeric_limits<Index>::max());
-    require(shape[0] <= most && shape[1] <= most);
-    require_left(static_cast<std::size_t>(shape[0] * shape[1]), sizeof(Scalar));
-    matrix.resize(shape[0], shape[1]);
-    take(static_cast<void*>(matrix.data()),
-         static_cast<std::size_t>(matrix.size()) * sizeof(Scalar));
-  }
-  template <class Key, class T>
-  void take(std::map<Key, T>& map) {
-    map = take_list<std::map<Key, T>>();
-  }
-  template <class T>
-  void take(std::vector<T>& list) {
-    if constexpr (IsPlain<T>::value) {
-      const auto count = take<std::size_t>();
-      require_left(count, sizeof(T));
-      list.resize(count);
-      take(static_cast<void*>(list.data()), list.size() * sizeof(T));
-    } else {
-      list = take_list<std::vector<T>>();
-    }
-  }
-  /// Takes what Packer::put_list() has packed, into a container that the caller chooses.
-  template <class List>
-  [[nodiscard]] List take_list() {
-    List list;
-    for (auto left = take<std::size_t>(); left > 0; --left) {
-      list.insert(list.end(), take<Value<List>>());
-    }
-    return list;
-  }
-
- private:
-  /// The type of a container's values; for a map, with keys that are not constant.
-  template <class List>
-  struct ValueOf {
-    using Type = typename List::value_type;
-  };
-  template <class Key, class T>
-  struct ValueOf<std::map<Key, T>> {
-    using Type = std::pair<Key, T>;
-  };
-  template <class List>
-  using Value = typename ValueOf<List>::Type;
-
-  static void require(bool good) {
-    if (good) return;
-    throw BackendError("What a rank of the run has sent is damaged. Start the run again.");
-  }
-  void require_left(std::size_t count, std::size_t size) const {
-    require(count <= (bytes_.size() - at_) / size);
-  }
-  void take(void* data, std::size_t size) {
-    require_left(size, 1);
-    if (size > 0) std::memcpy(data, bytes_.data() + at_, size);
-    at_ += size;
-  }
-
-  const Bytes& bytes_;
-  std::size_t at_ = 0;
-};
-
-/// Appends the lists of the other ranks, by rank, to that of rank 0, and empties them.
-/// @note Collective
-template <class T>
-void gather(std::vector<T>& list, Communicator& communicator) {
-  Packer mine;
-  if (communicator.rank() != 0) mine.put_list(std::exchange(list, {}));
-  std::vector<Bytes> all = communicator.gather(mine.take());
-  agree(communicator, [&] {
-    for (Bytes& bytes : all) {
-      if (bytes.empty()) continue;
-      for (T& value : Unpacker(bytes).take_list<std::vector<T>>()) list.push_back(std::move(value));
-      bytes = {};
-    }
-  });
 }
 
 }  // namespace palpate

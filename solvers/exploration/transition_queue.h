@@ -39,6 +39,14 @@ struct TransitionTarget {
   double seconds = 0;
 };
 
+template <class Visit>
+void for_each_part(TransitionTarget& target, Visit&& visit) {
+  visit(target.check_point);
+  visit(target.level);
+  visit(target.iterations);
+  visit(target.seconds);
+}
+
 /// Transitions from one start.
 struct TransitionBatch {
   ToolSpaceId tool_space = 0;

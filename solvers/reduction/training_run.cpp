@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "exploration/transfer.h"
+#include "schedule/packing.h"
 
 namespace palpate {
 namespace {

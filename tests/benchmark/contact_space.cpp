@@ -86,12 +86,22 @@ struct Test {
   [[nodiscard]] double error() const { return (exact - interpolated).norm(); }
 };
 
-}  // namespace
-
-template <>
-struct IsPlain<Test> : std::true_type {};
-
-namespace {
+[[nodiscard]] bool is_sound(Support support) {
+  return support >= Support::none && support <= Support::marked;
+}
+template <class Visit>
+void for_each_part(Test& test, Visit&& visit) {
+  visit(test.is_slide);
+  visit(test.depth);
+  visit(test.place);
+  visit(test.exact);
+  visit(test.interpolated);
+  visit(test.flags);
+  visit(test.outcome);
+  visit(test.support);
+  visit(test.seconds);
+  visit(test.estimate);
+}
 
 /// The estimated errors of the cells of a space.
 class Estimates {

@@ -23,8 +23,8 @@
 
 #include "base/error.h"
 #include "exploration/precompute.h"
-#include "exploration/transfer.h"
 #include "schedule/mpi_communicator.h"
+#include "schedule/packing.h"
 #include "storage/state_space_file.h"
 
 namespace palpate {
@@ -91,6 +91,14 @@ struct Figures {
   std::int64_t configurations = 0;
   long factorisations = 0;
 };
+
+template <class Visit>
+void for_each_part(Figures& figures, Visit&& visit) {
+  visit(figures.rate);
+  visit(figures.processor_seconds);
+  visit(figures.configurations);
+  visit(figures.factorisations);
+}
 
 Figures sum(const Figures& mine, Communicator& world) {
   Packer message;

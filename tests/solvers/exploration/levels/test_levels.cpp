@@ -12,10 +12,10 @@
 
 #include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
-#include "exploration/transfer.h"
 #include "interaction/bonded_patch.h"
 #include "interpolation/interpolator.h"
 #include "interpolation/solution_branches.h"
+#include "schedule/packing.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 #include "solvers/support/communicators.h"
