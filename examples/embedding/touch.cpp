@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "haptic/servo/servo.h"
+#include "haptic/touching/body_touch.h"
 #include "haptic/touching/pressing_range.h"
 #include "haptic/transport/open_device.h"
 #include "haptic/transport/simulated_board.h"
@@ -54,7 +55,7 @@ int main(int argc, char** argv) try {
   Servo servo(std::move(device.transport), device.profile, clock);
   servo.set_settings(settings);
   servo.set_touch_settings(touch);
-  servo.set_body(body);
+  servo.set_touch(make_touch(body));
   servo.start();
   for (int i = 0; i < 10; ++i) {
     std::this_thread::sleep_for(200ms);

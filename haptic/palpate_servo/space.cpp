@@ -15,10 +15,11 @@
 #include "haptic/recording/recorder.h"
 #include "haptic/recording/replay.h"
 #include "haptic/servo/servo.h"
+#include "haptic/touching/body_touch.h"
 #include "haptic/touching/pressing_range.h"
+#include "state_space/pressing_space.h"
 #include "storage/stored_touch_space.h"
 
-#include "state_space/pressing_space.h"
 namespace palpate {
 namespace {
 
@@ -139,7 +140,7 @@ int touch_space(CommandLine line, std::optional<StateSpaceFile> file) {
     recorder->start(device.setup);
   }
   Servo servo(std::move(device.transport), device.profile, clock, line.options);
-  servo.set_body(body);
+  if (body) servo.set_touch(make_touch(body));
   servo.set_settings(line.settings);
   servo.set_touch_settings(line.touch);
   if (recorder) servo.set_recording(recorder->ring());
@@ -198,7 +199,7 @@ int replay_space(CommandLine line, const StateSpaceFile& file) {
 
   LoopInbox inbox;
   LoopOutbox outbox;
-  inbox.body.offer(body);
+  inbox.touch.offer(make_touch(body));
   std::uint64_t num_different = 0;
   double largest_difference = 0;
   double limit = 0;

@@ -32,6 +32,13 @@ class EnergyBalance {
     dissipated_ = 0;
   }
 
+  /// Goes on where the body was replaced by another one of the same scene. What that one stores
+  /// more or less at the same place is knowledge and nothing that the loop has made. So D stays as
+  /// it is, and the interval in which it happened is not counted.
+  /// @param stored The energy that is stored now, J.
+  /// @note Realtime-safe.
+  void go_on(double stored) noexcept { stored_ = stored; }
+
   /// Adds an interval between two ticks.
   /// @param sent The force that was sent in the tick before, N.
   /// @param moved How far the device has moved since then, m.

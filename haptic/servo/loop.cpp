@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
+#include "haptic/simulating/simulated_tool.h"
 
 namespace palpate {
 namespace {
@@ -158,14 +159,13 @@ void Loop::tick() noexcept {
   (void)session_.take_device_time();
   session_.poll();
   take_settings();
-  const Touchable* body = inbox_.body.take();
-  SimulatedTool* tool = inbox_.tool.take();
+  take_touch();
   TickRing* recording = inbox_.recording.take();
 
   locate(settings_.servo);
-  touch(body, tool, settings_);
-  observe_energy(tool != nullptr ? static_cast<const void*>(tool) : body, settings_);
-  send_force(settings_.servo, tool != nullptr);
+  touch(settings_);
+  observe_energy(settings_);
+  send_force(settings_.servo);
 
   const Duration in_device = session_.take_device_time();
   const Duration taken = clock_.now() - begin_;
@@ -245,13 +245,24 @@ void Loop::locate(const ServoSettings& settings) noexcept {
   tick_.velocity = to_scene * session_.velocity();
 }
 
-void Loop::release() noexcept {
-  tool_.release();
-  coupled_tool_.release();
+// The touch before stays alive until the next call of take().
+void Loop::take_touch() noexcept {
+  Touch* before = std::exchange(touch_, inbox_.touch.take());
+  same_touch_ = touch_ == before;
+  touch_goes_on_ = same_touch_;
+  if (same_touch_ || touch_ == nullptr) return;
+  if (before != nullptr) {
+    touch_goes_on_ = touch_->take_over(*before);
+  } else {
+    touch_->release();
+  }
 }
 
-void Loop::touch(const Touchable* body, SimulatedTool* tool,
-                 const LoopInbox::Settings& settings) noexcept {
+void Loop::release() noexcept {
+  if (touch_ != nullptr) touch_->release();
+}
+
+void Loop::touch(const LoopInbox::Settings& settings) noexcept {
   const auto is_held = [&](std::int32_t button) {
     return (session_.state().buttons >> button & 1U) != 0;
   };
@@ -259,24 +270,20 @@ void Loop::touch(const Touchable* body, SimulatedTool* tool,
   const bool permitted = settings.servo.engaged && (dead_man < 0 || is_held(dead_man));
   session_.interlock().set(trips::disengaged, !permitted);
   const Time now = clock_.now();
-  session_.interlock().set(trips::body, !coupled_tool_.listen(tool, now));
+  session_.interlock().set(trips::body, touch_ != nullptr && !touch_->listen(now));
   if (session_.interlock().tripped() != 0) release();
   const std::int32_t grasp = settings.servo.grasp_button;
-  const bool grasps = grasp >= 0 && is_held(grasp);
-  if (!session_.known()) {
-    // There is no place to move the tool to yet.
-    tick_.contact = {};
-  } else if (tool != nullptr) {
-    tick_.contact = coupled_tool_.move(tick_.position, tick_.velocity, grasps || grasp < 0, now);
-  } else {
-    tick_.contact = tool_.move(body, tick_.position, settings.touch, grasps);
-  }
+  const Grasp grasps = grasp < 0 ? Grasp::no_button : is_held(grasp) ? Grasp::closed : Grasp::open;
+  // Before the first report there is no place to move the tool to.
+  tick_.contact = touch_ != nullptr && session_.known()
+                      ? touch_->move({tick_.position, tick_.velocity, grasps, now}, settings.touch)
+                      : Contact();
   const bool is_outside =
       tick_.contact.status == ContactStatus::free || tick_.contact.status == ContactStatus::nothing;
   if (is_outside) session_.interlock().rearm();
 }
 
-void Loop::observe_energy(const void* body, const LoopInbox::Settings& settings) noexcept {
+void Loop::observe_energy(const LoopInbox::Settings& settings) noexcept {
   const ServoSettings& servo = settings.servo;
   const double stored = servo.force_scale / servo.workspace_scale * tick_.contact.energy;
   // tick_.state is still that of the tick before. A tick that was not running has sent no force.
@@ -284,16 +291,16 @@ void Loop::observe_energy(const void* body, const LoopInbox::Settings& settings)
   const ContactStatus observed = observable ? tick_.contact.status : ContactStatus::nothing;
   // A force that was cut says nothing about the stored energy.
   const bool was_cut = (tick_.limited & ~limits::slew) != 0;
-  if (!observable || observed != observed_ || was_cut || body != observed_body_ ||
-      !energy_goes_on_) {
+  if (!observable || observed != observed_ || was_cut || !touch_goes_on_ || !energy_goes_on_) {
     balance_.begin(stored);
+  } else if (!same_touch_) {
+    balance_.go_on(stored);
   } else if (tick_.limited != 0) {
     balance_.add_late(session_.force(), device_moved_, stored);
   } else {
     balance_.add(session_.force(), device_moved_, stored);
   }
   observed_ = observed;
-  observed_body_ = body;
   tick_.dissipated = balance_.dissipated();
   tick_.added_damping =
       servo.passivity_control
@@ -310,7 +317,7 @@ ServoState Loop::state(const ServoSettings& settings) const noexcept {
 }
 
 // Asks for a force. The session limits it, whatever was computed before.
-void Loop::send_force(const ServoSettings& settings, bool has_coupled_tool) noexcept {
+void Loop::send_force(const ServoSettings& settings) noexcept {
   // The state is found as late as possible, because the thread may have been held up since it read
   // the device.
   tick_.state = state(settings);
@@ -324,8 +331,8 @@ void Loop::send_force(const ServoSettings& settings, bool has_coupled_tool) noex
           settings.force_scale * (settings.workspace_rotation.transpose() * tick_.contact.force) -
           (settings.damping + tick_.added_damping) * session_.velocity();
     }
-    // A hand that opens holds nothing any more, so that its force ends at once.
-    const bool may_jump = has_coupled_tool && !touches(tick_.contact.status);
+    const bool may_jump =
+        touch_ != nullptr && touch_->ends_at_once() && !touches(tick_.contact.status);
     const double step =
         may_jump ? std::numeric_limits<double>::infinity()
                  : settings.slew_limit * std::min(interval_, 2 * seconds(options_.period));

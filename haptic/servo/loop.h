@@ -17,16 +17,13 @@
 #include "haptic/servo/options.h"
 #include "haptic/servo/record.h"
 #include "haptic/servo/session.h"
-#include "haptic/simulating/coupled_tool.h"
-#include "haptic/touching/tool.h"
+#include "haptic/touching/touch.h"
 
 namespace palpate {
 
 /// The objects and settings that one other thread passes to the loop.
 struct LoopInbox {
-  Handover<const Touchable> body;
-  /// A tool of a reduced body. While there is one, the loop moves it and does not touch `body`.
-  Handover<SimulatedTool> tool;
+  Handover<Touch> touch;
   Handover<TickRing> recording;
   struct Settings {
     ServoSettings servo;
@@ -73,15 +70,14 @@ class Loop {
   /// when the tool began to touch.
   void take_settings() noexcept;
   void locate(const ServoSettings& settings) noexcept;
-  void touch(const Touchable* body, SimulatedTool* tool,
-             const LoopInbox::Settings& settings) noexcept;
+  /// Takes the newest touch, which goes on from the one before where it can.
+  void take_touch() noexcept;
+  void touch(const LoopInbox::Settings& settings) noexcept;
   /// Lets go of whatever is touched.
   void release() noexcept;
-  /// @param body The body or the coupled tool that is touched.
-  void observe_energy(const void* body, const LoopInbox::Settings& settings) noexcept;
+  void observe_energy(const LoopInbox::Settings& settings) noexcept;
   [[nodiscard]] ServoState state(const ServoSettings& settings) const noexcept;
-  /// @param has_coupled_tool Whether the tool is that of a reduced body.
-  void send_force(const ServoSettings& settings, bool has_coupled_tool) noexcept;
+  void send_force(const ServoSettings& settings) noexcept;
   void count_trips(std::uint32_t before) noexcept;
   void count() noexcept;
 
@@ -91,8 +87,11 @@ class Loop {
   LoopInbox& inbox_;
   LoopOutbox& outbox_;
   DeviceSession session_;
-  Tool tool_;
-  CoupledTool coupled_tool_;
+  /// The touch of the tick; null: there is nothing to touch.
+  Touch* touch_ = nullptr;
+  /// Whether it is the touch of the tick before, or else goes on from that one.
+  bool same_touch_ = false;
+  bool touch_goes_on_ = false;
   EnergyBalance balance_;
   /// The settings of the tick, and whether the energy balance may go on under them.
   LoopInbox::Settings settings_;
@@ -104,9 +103,8 @@ class Loop {
   Counters counters_;
   /// How far the device has moved since the tick before, in its axes, m.
   Vec3 device_moved_ = Vec3::Zero();
-  /// The body, and the kind of contact, that the energy balance belongs to: with another one the
-  /// balance begins anew. `nothing`: there is no contact whose energy could be observed.
-  const void* observed_body_ = nullptr;
+  /// The kind of contact that the energy balance belongs to: with another one the balance begins
+  /// anew. `nothing`: there is no contact whose energy could be observed.
   ContactStatus observed_ = ContactStatus::nothing;
   /// When the tick began, and the time since the one before, s.
   Time begin_{0};

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "haptic/simulating/coupled_tool.h"
 
 namespace palpate {
 
@@ -19,7 +20,8 @@ ReducedTouch::ReducedTouch(std::unique_ptr<ReducedBodyThread> body,
   }
   servos_.resize(static_cast<std::size_t>(num_tools));
   for (Index tool = 0; tool < num_tools; ++tool) {
-    if (Servo* moves = servo(tool)) moves->set_tool(body_->tool(tool));
+    if (Servo* moves = servo(tool))
+      moves->set_touch(std::make_unique<CoupledTool>(body_->tool(tool)));
   }
 }
 

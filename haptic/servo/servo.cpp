@@ -12,6 +12,7 @@
 #include "base/quantity.h"
 #include "haptic/realtime/memory_lock.h"
 #include "haptic/realtime/realtime_thread.h"
+#include "haptic/simulating/simulated_tool.h"
 
 namespace palpate {
 namespace {
@@ -39,12 +40,12 @@ std::string why_tripped(const Tick& tick) {
   return text;
 }
 
-/// A body that stays in memory as long as the loop may read it.
+/// A touch that stays in memory as long as the loop may use it.
 struct Resident {
-  explicit Resident(std::shared_ptr<const Touchable> its_body)
-      : body(std::move(its_body)), lock(body->memory()) {}
+  explicit Resident(std::unique_ptr<Touch> its_touch)
+      : touch(std::move(its_touch)), lock(touch->memory()) {}
 
-  std::shared_ptr<const Touchable> body;
+  std::unique_ptr<Touch> touch;
   MemoryLock lock;
 };
 
@@ -149,18 +150,15 @@ void Servo::let_go() noexcept { shared_->stop = true; }
 
 void Servo::host_lives() noexcept { shared_->transport->host_lives(); }
 
-void Servo::set_body(std::shared_ptr<const Touchable> body) {
+void Servo::set_touch(std::unique_ptr<Touch> touch) {
   // The memory is locked here, because the loop must make no system call for it.
-  if (body != nullptr && shared_->options.priority != 0) {
-    const auto resident = std::make_shared<const Resident>(std::move(body));
+  if (touch != nullptr && shared_->options.priority != 0) {
+    const auto resident = std::make_shared<const Resident>(std::move(touch));
     shared_->body_locked = resident->lock.complete();
-    body = {resident, resident->body.get()};
+    shared_->inbox.touch.offer({resident, resident->touch.get()});
+    return;
   }
-  shared_->inbox.body.offer(std::move(body));
-}
-
-void Servo::set_tool(std::shared_ptr<SimulatedTool> tool) {
-  shared_->inbox.tool.offer(std::move(tool));
+  shared_->inbox.touch.offer(std::move(touch));
 }
 
 void Servo::set_settings(const ServoSettings& settings) {

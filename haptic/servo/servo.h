@@ -21,7 +21,7 @@
 #include "haptic/servo/options.h"
 #include "haptic/servo/statistics.h"
 #include "haptic/servo/tick.h"
-#include "haptic/touching/touchable.h"
+#include "haptic/touching/touch.h"
 #include "haptic/transport/transport.h"
 
 namespace palpate {
@@ -52,14 +52,9 @@ class Servo {
   /// crashes and for being asked to end.
   void host_lives() noexcept;
 
-  /// Gives the loop the body that it touches from the next tick on, also while another is touched;
-  /// nullptr: none.
-  void set_body(std::shared_ptr<const Touchable> body);
-  /// Gives the loop a tool of a reduced body (ReducedBodyThread). From the next tick on the loop
-  /// moves that tool and touches no body of set_body(); nullptr: none. The tool is held while the
-  /// button ServoSettings::grasp_button is, or without such a button whenever the hand has come
-  /// within its reach. No other servo loop may have the same tool.
-  void set_tool(std::shared_ptr<SimulatedTool> tool);
+  /// Gives the loop what it touches from the next tick on, also while another is touched: a body
+  /// (make_touch()), or a tool of a reduced body (CoupledTool); nullptr: nothing.
+  void set_touch(std::unique_ptr<Touch> touch);
   /// @throws InputError a value is out of range, or the device lacks what is required.
   void set_settings(const ServoSettings& settings);
   /// @throws InputError a value is out of range.

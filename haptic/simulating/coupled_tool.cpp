@@ -5,12 +5,23 @@
 
 namespace palpate {
 
-bool CoupledTool::listen(SimulatedTool* tool, Time now) noexcept {
-  if (tool != tool_) {
+bool CoupledTool::take_over(const Touch& before) noexcept {
+  const auto* coupled = dynamic_cast<const CoupledTool*>(&before);
+  if (coupled == nullptr || coupled->tool_ != tool_) {
     release();
-    tool_ = tool;
+    return false;
   }
-  if (tool_ == nullptr) return true;
+  answer_ = coupled->answer_;
+  is_alive_ = coupled->is_alive_;
+  armed_ = coupled->armed_;
+  holds_ = coupled->holds_;
+  hand_ = coupled->hand_;
+  offset_ = coupled->offset_;
+  work_before_ = coupled->work_before_;
+  return true;
+}
+
+bool CoupledTool::listen(Time now) noexcept {
   answer_ = tool_->answer.read();
   is_alive_ = answer_.time.count() > 0 && now - answer_.time <= tool_->options.release_after;
   return is_alive_;
@@ -21,11 +32,11 @@ void CoupledTool::release() noexcept {
   armed_ = false;
 }
 
-Contact CoupledTool::move(const Vec3& place, const Vec3& velocity, bool grasps, Time now) noexcept {
+Contact CoupledTool::move(const HandState& hand, const TouchSettings& /*settings*/) noexcept {
   Contact contact;
-  if (tool_ == nullptr) return contact;
   const SimulatedToolOptions& options = tool_->options;
-  const Vec3 from_rest = place - options.place;
+  const Vec3 from_rest = hand.place - options.place;
+  const bool grasps = hand.grasp != Grasp::open;
   if (!from_rest.allFinite() || !is_alive_) {
     release();
   } else if (!holds_ && grasps && armed_ &&
@@ -37,7 +48,7 @@ Contact CoupledTool::move(const Vec3& place, const Vec3& velocity, bool grasps, 
   holds_ = holds_ && grasps;
   if (holds_) {
     hand_ = from_rest - offset_;
-    contact = answer(velocity, now);
+    contact = answer(hand.velocity, hand.time);
   } else {
     contact.anchor = options.place;
     contact.displacement = answer_.displacement;
@@ -48,7 +59,7 @@ Contact CoupledTool::move(const Vec3& place, const Vec3& velocity, bool grasps, 
     contact.status = is_outside ? ContactStatus::free : ContactStatus::inside;
     contact.trust = answer_.trust;
   }
-  tool_->command.write({now, holds_, hand_});
+  tool_->command.write({hand.time, holds_, hand_});
   return contact;
 }
 

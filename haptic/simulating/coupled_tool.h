@@ -19,36 +19,44 @@
 // sampled coupling has made energy (energy_balance.h), whatever the body and its other tools do.
 #pragma once
 
+#include <memory>
+#include <utility>
+
 #include "haptic/simulating/simulated_tool.h"
-#include "haptic/touching/contact.h"
+#include "haptic/touching/touch.h"
 
 namespace palpate {
 
-class CoupledTool {
+class CoupledTool final : public Touch {
  public:
+  /// @param tool The tool. No other servo loop may have it.
+  explicit CoupledTool(std::shared_ptr<SimulatedTool> tool) : tool_(std::move(tool)) {}
+
+  bool take_over(const Touch& before) noexcept override;
+
   /// Takes the newest answer of the body.
-  /// @param tool The tool; one that is new is not held. nullptr: there is none.
-  /// @return Whether the body was stepped within release_after; true without a tool.
-  /// @note Realtime-safe.
-  bool listen(SimulatedTool* tool, Time now) noexcept;
+  /// @returns Whether the body was stepped within release_after.
+  bool listen(Time now) noexcept override;
 
-  /// Moves the hand to a place, and tells the body.
-  /// @param place, velocity Those of the hand, m and m/s.
-  /// @return A contact. Its status is `nothing` without a tool, `free` outside, `inside` within
-  ///   reach where the hand has let go for another reason than opening, or `attached`. Then anchor
-  ///   is the tool's place at rest, displacement is d, and energy is E; support is `extrapolated`
-  ///   where the trust is above kLargestTrusted or the body stands still.
-  /// @note Realtime-safe.
-  [[nodiscard]] Contact move(const Vec3& place, const Vec3& velocity, bool grasps,
-                             Time now) noexcept;
+  /// Moves the hand to a place, and tells the body. The hand takes hold also without a button.
+  /// @return A contact. Its status is `free` outside, `inside` within reach where the hand has let
+  ///   go for another reason than opening, or `attached`. Then anchor is the tool's place at rest,
+  ///   displacement is d, and energy is E; support is `extrapolated` where the trust is above
+  ///   kLargestTrusted or the body stands still.
+  [[nodiscard]] Contact move(const HandState& hand,
+                             const TouchSettings& settings) noexcept override;
 
-  /// Lets go. The hand takes hold again only after it was outside. @note Realtime-safe.
-  void release() noexcept;
+  void release() noexcept override;
+  /// A hand that opens holds nothing any more.
+  [[nodiscard]] bool ends_at_once() const noexcept override { return true; }
+  [[nodiscard]] MemoryRanges memory() const override {
+    return {{this, sizeof *this}, {tool_.get(), sizeof *tool_}};
+  }
 
  private:
   [[nodiscard]] Contact answer(const Vec3& velocity, Time now) const noexcept;
 
-  SimulatedTool* tool_ = nullptr;
+  std::shared_ptr<SimulatedTool> tool_;
   ToolAnswer answer_;
   bool is_alive_ = false;
   bool armed_ = false;

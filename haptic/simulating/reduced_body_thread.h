@@ -3,8 +3,8 @@
 // each:
 //
 //   ReducedBodyThread body(model, {{place_of_first_tool}, {place_of_second_tool}}, clock);
-//   servo.set_tool(body.tool(0));
-//   other_servo.set_tool(body.tool(1));
+//   servo.set_touch(std::make_unique<CoupledTool>(body.tool(0)));
+//   other_servo.set_touch(std::make_unique<CoupledTool>(body.tool(1)));
 //   body.start();
 //
 // The thread has real-time priority where the system permits it, below that of the servo loops. Its
@@ -65,7 +65,7 @@ class ReducedBodyThread {
   void stop() noexcept;
 
   [[nodiscard]] Index num_tools() const;
-  /// The tool, for the servo loop that moves it (Servo::set_tool()).
+  /// The tool, for the CoupledTool of the servo loop that moves it.
   /// @param number From 0.
   [[nodiscard]] const std::shared_ptr<SimulatedTool>& tool(Index number) const;
   /// The state at the end of the newest step. It is valid until the next call of this object.

@@ -29,6 +29,21 @@ TouchResult Press::answer(const Interpolator& force, double coupling) noexcept {
   return at;
 }
 
+bool Press::is_free(const Interpolator& force) const noexcept {
+  using Place = CheckPointGrid::Place;
+  const Interpolator::Location at = force.locate(place_);
+  return at.place == Place::free || (at.place == Place::cell && !force.grid().is_unknown(at.leaf));
+}
+
+Contact Press::miss(Support support) noexcept {
+  Contact contact;
+  contact.status = ContactStatus::inside;
+  contact.support = support;
+  contact.anchor = place_;
+  release();
+  return contact;
+}
+
 bool Press::is_known(const Interpolator& force, const Vec3& push) const noexcept {
   const CheckPointGrid::Location at = force.locate(place_);
   if (at.place == CheckPointGrid::Place::cell) return true;
@@ -48,22 +63,14 @@ Contact Press::move(const Interpolator& force, const Vec3& hand,
   Contact contact;
   contact.support = at.support;
   contact.anchor = place_;
-  using Place = CheckPointGrid::Place;
   if (at.force.isZero(0)) {
-    const Interpolator::Location where = force.locate(place_);
+    if (!is_free(force)) return miss(at.support);
     release();
-    const bool is_free = where.place == Place::free ||
-                         (where.place == Place::cell && !force.grid().is_unknown(where.leaf));
-    contact.status = is_free ? ContactStatus::free : ContactStatus::inside;
+    contact.status = ContactStatus::free;
     return contact;
   }
   const Vec3 push = at.force.stableNormalized();
-  if (!is_known(force, push)) {
-    release();
-    contact.status = ContactStatus::inside;
-    contact.support = Support::extrapolated;
-    return contact;
-  }
+  if (!is_known(force, push)) return miss(Support::extrapolated);
   is_pressing_ = true;
   contact.status = ContactStatus::pressing;
   contact.energy = at.energy;

@@ -41,7 +41,12 @@ class Press {
  private:
   /// Finds the tool's place from that of the hand, and gives the answer of the body there.
   [[nodiscard]] TouchResult answer(const Interpolator& force, double coupling) noexcept;
+  /// Whether nothing touches the tool where it feels no force.
+  [[nodiscard]] bool is_free(const Interpolator& force) const noexcept;
   [[nodiscard]] bool is_known(const Interpolator& force, const Vec3& push) const noexcept;
+  /// What is felt where the tool may touch but the space has no force for it: none, until the tool
+  /// was free. This is the one place that says what becomes of such a tool.
+  [[nodiscard]] Contact miss(Support support) noexcept;
 
   bool is_pressing_ = false;
   Vec3 hand_ = Vec3::Zero();

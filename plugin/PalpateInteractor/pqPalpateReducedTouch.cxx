@@ -15,6 +15,7 @@
 
 #include "haptic/servo/interlock.h"
 #include "haptic/servo/servo.h"
+#include "haptic/simulating/coupled_tool.h"
 #include "haptic/simulating/reduced_body_thread.h"
 #include "pqApplicationCore.h"
 #include "pqOutputPort.h"
@@ -326,7 +327,7 @@ QString pqPalpateReducedTouch::start(pqOutputPort* model, pqRenderView* view,
     {
       if (Hand* hand = session->Hands[static_cast<std::size_t>(tool)].get())
       {
-        hand->Servo->set_tool(session->Body->tool(tool));
+        hand->Servo->set_touch(std::make_unique<palpate::CoupledTool>(session->Body->tool(tool)));
         hand->Servo->start();
       }
     }
@@ -370,7 +371,7 @@ QString pqPalpateReducedTouch::setDevice(int tool, const QString& device)
         "The tool is coupled more stiffly than this device displays stably. Stop, choose the "
         "device, and start again.");
     }
-    hand->Servo->set_tool(session->Body->tool(tool));
+    hand->Servo->set_touch(std::make_unique<palpate::CoupledTool>(session->Body->tool(tool)));
     hand->Servo->start();
     session->Exchange(tool, std::move(hand));
   }

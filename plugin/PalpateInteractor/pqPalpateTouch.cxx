@@ -10,6 +10,7 @@
 
 #include "haptic/servo/interlock.h"
 #include "haptic/servo/servo.h"
+#include "haptic/touching/body_touch.h"
 #include "haptic/touching/pressing_range.h"
 #include "pqApplicationCore.h"
 #include "pqOutputPort.h"
@@ -294,7 +295,7 @@ QString pqPalpateTouch::start(
       std::move(opened.Transport), std::move(opened.Profile), clock, opened.Setup.options);
     // The filter that shows the body moves one node, so one node is felt.
     session->TouchSettings.blended = false;
-    session->Servo->set_body(session->Body);
+    session->Servo->set_touch(palpate::make_touch(session->Body));
     if (session->Recording)
     {
       opened.Setup.scene_hash = session->Body->scene_hash();
@@ -446,7 +447,7 @@ void pqPalpateTouch::takeNewData()
       const bool isOther = copy.scene_hash != session.Body->scene_hash();
       session.SetSpace(copy);
       session.ShowSpace(copy);
-      session.Servo->set_body(session.Body);
+      session.Servo->set_touch(palpate::make_touch(session.Body));
       if (isOther && session.Recording)
       {
         session.Servo->set_recording(nullptr);

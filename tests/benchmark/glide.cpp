@@ -16,6 +16,7 @@
 
 #include "base/error.h"
 #include "haptic/support/glide.h"
+#include "haptic/touching/body_touch.h"
 #include "haptic/transport/simulated_hand.h"
 #include "interpolation/passivity_figures.h"
 #include "storage/state_space_file.h"
@@ -113,7 +114,7 @@ Stay stay(const std::shared_ptr<const Touchable>& body, const Vec3& outside, con
   LoopInbox inbox;
   LoopOutbox outbox;
   Loop loop(board, *profile, *clock, {}, inbox, outbox);
-  inbox.body.offer(body);
+  inbox.touch.offer(make_touch(body));
   LoopInbox::Settings settings;
   settings.servo.workspace_centre = outside;
   settings.servo.passivity_control = what.controller;

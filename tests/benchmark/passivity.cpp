@@ -7,6 +7,7 @@
 
 #include "haptic/servo/loop.h"
 #include "haptic/support/analytic_body.h"
+#include "haptic/touching/body_touch.h"
 #include "haptic/transport/simulated_board.h"
 #include "haptic/transport/simulated_hand.h"
 
@@ -69,8 +70,8 @@ Result press(const Case& what) {
   LoopInbox inbox;
   LoopOutbox outbox;
   Loop loop(board, *profile, *clock, {}, inbox, outbox);
-  inbox.body.offer(std::make_shared<const Touchable>(
-      test::box_space([&](int) { return spring(what.stiffness); })));
+  inbox.touch.offer(make_touch(std::make_shared<const Touchable>(
+      test::box_space([&](int) { return spring(what.stiffness); }))));
   LoopInbox::Settings settings;
   settings.servo.workspace_centre = Vec3(test::kBox[0] / 2, test::kBox[1] / 2, test::kBox[2]);
   settings.servo.passivity_control = what.controller;

@@ -29,6 +29,7 @@
 #include "haptic/profile/palpate_report.h"
 #include "haptic/servo/loop.h"
 #include "haptic/support/analytic_body.h"
+#include "haptic/touching/body_touch.h"
 #include "storage/state_space_file.h"
 #include "storage/stored_touch_space.h"
 
@@ -116,7 +117,7 @@ std::vector<double> run(const std::shared_ptr<const Touchable>& body, double cou
   LoopOutbox outbox;
   TouchSettings touch;
   touch.coupling_stiffness = coupling;
-  inbox.body.offer(body);
+  inbox.touch.offer(make_touch(body));
   inbox.settings.write({{}, touch});
   Loop loop(wanderer, profile, clock, {}, inbox, outbox);
   std::vector<double> times(kTicks);

@@ -13,6 +13,7 @@
 #include "haptic/device/body.h"
 #include "haptic/profile/palpate_report.h"
 #include "haptic/servo/servo.h"
+#include "haptic/touching/body_touch.h"
 #include "haptic/transport/open_device.h"
 
 namespace palpate::test {
@@ -104,7 +105,7 @@ End touch(Log& log, OpenedDevice device, const std::shared_ptr<const Touchable>&
     Servo servo(std::move(device.transport), std::move(device.profile),
                 std::make_shared<MonotonicClock>());
     servo.set_settings(settings(log));
-    servo.set_body(body);
+    servo.set_touch(make_touch(body));
     servo.set_recording(ring);
     servo.start();
     for (bool touching = true; touching;) {

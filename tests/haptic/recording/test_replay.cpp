@@ -11,6 +11,7 @@
 #include "haptic/servo/loop.h"
 #include "haptic/support/analytic_body.h"
 #include "haptic/support/guarded_transport.h"
+#include "haptic/touching/body_touch.h"
 #include "haptic/transport/simulated_board.h"
 
 namespace palpate::test::test_replay {
@@ -51,7 +52,7 @@ class Replay : public test::RecordingTest {
     const auto profile = make_profile(setup.profile, setup.feature);
     LoopInbox inbox;
     LoopOutbox outbox;
-    inbox.body.offer(body_);
+    inbox.touch.offer(make_touch(body_));
     inbox.recording.offer(recorder.ring());
     LoopInbox::Settings settings;
     settings.servo.workspace_centre = {0.045, 0.037, test::kBox[2]};
@@ -91,7 +92,7 @@ class Replay : public test::RecordingTest {
     recorder.start(setup);
     LoopInbox inbox;
     LoopOutbox outbox;
-    inbox.body.offer(body_);
+    inbox.touch.offer(make_touch(body_));
     inbox.recording.offer(recorder.ring());
     {
       Loop loop(device, *profile, *clock, setup.options, inbox, outbox);

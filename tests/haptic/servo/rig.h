@@ -7,6 +7,7 @@
 
 #include "haptic/servo/loop.h"
 #include "haptic/support/analytic_body.h"
+#include "haptic/touching/body_touch.h"
 #include "haptic/transport/simulated_board.h"
 
 namespace palpate::test {
@@ -40,7 +41,7 @@ struct Rig {
       : board(clock, std::move(motion), board_options),
         profile(make_profile(ProfileKind::palpate_report, board.feature())),
         loop(std::make_unique<Loop>(board, *profile, *clock, options, inbox, outbox)) {
-    inbox.body.offer(box_body());
+    inbox.touch.offer(make_touch(box_body()));
     set(settings);
   }
 

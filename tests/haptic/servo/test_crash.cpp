@@ -27,6 +27,7 @@
 #include "haptic/profile/palpate_report.h"
 #include "haptic/servo/rig.h"
 #include "haptic/servo/servo.h"
+#include "haptic/touching/body_touch.h"
 
 namespace palpate::test::test_crash {
 namespace {
@@ -182,7 +183,7 @@ class Program {
       ServoOptions options;
       options.priority = 0;
       Servo servo(std::move(board), profile, clock, options);
-      servo.set_body(test::box_body());
+      servo.set_touch(make_touch(test::box_body()));
       ServoSettings settings;
       settings.workspace_centre = test::kMiddle;
       servo.set_settings(settings);

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "haptic/servo/rig.h"
 #include "haptic/support/pressed_body.h"
+#include "haptic/touching/body_touch.h"
 
 namespace palpate::test::test_loop {
 namespace {
@@ -414,7 +415,7 @@ TEST(Loop, NoJumpAfterTheWatchdogOrFailingWrites) {
       BoardOptions options;
       options.feature.watchdog_ms = watchdog;
       Rig rig(test::pressing(), options);
-      rig.inbox.body.offer(test::box_body(2000));
+      rig.inbox.touch.offer(make_touch(test::box_body(2000)));
       rig.run(350ms);
       ASSERT_GT(rig.motors().norm(), 5);
       rig.clock->advance(pause);
@@ -426,7 +427,7 @@ TEST(Loop, NoJumpAfterTheWatchdogOrFailingWrites) {
   BoardOptions options;
   options.faults.failing_writes = {350ms, 410ms};
   Rig rig(test::pressing(), options);
-  rig.inbox.body.offer(test::box_body(2000));
+  rig.inbox.touch.offer(make_touch(test::box_body(2000)));
   rig.run(349ms);
   ASSERT_GT(rig.motors().norm(), 5);
   expect_no_jump(rig, 1s);
@@ -478,7 +479,7 @@ TEST(Loop, OnlyWhatTheMotorsGiveIsTold) {
 
 TEST(Loop, EnergyIsOnlyThatOfTheLoop) {
   Rig plain(test::pressing());
-  plain.inbox.body.offer(test::box_body(300));
+  plain.inbox.touch.offer(make_touch(test::box_body(300)));
   plain.run(3s);
   // Off, cut, another body: none of these makes energy.
   Rig rig(test::pressing());
@@ -491,10 +492,42 @@ TEST(Loop, EnergyIsOnlyThatOfTheLoop) {
   rig.set(settings);
   for (int i = 0; i < 40; ++i) {
     rig.run(50ms);
-    rig.inbox.body.offer(test::box_body(100 + 100 * (i % 3)));
+    rig.inbox.touch.offer(make_touch(test::box_body(100 + 100 * (i % 3))));
   }
   EXPECT_LT(plain.counters().least_dissipated, 0);
   EXPECT_GT(rig.counters().least_dissipated, 2 * plain.counters().least_dissipated);
+}
+
+// A body of the same scene that knows more is no reason to forget what the loop has made of energy;
+// what it stores more at the same place is nothing that the loop has made. Of another scene nothing
+// is known.
+TEST(Loop, TheEnergyGoesOnWithABodyOfTheSameScene) {
+  const auto of_scene = [](const std::string& scene, double stiffness) {
+    TouchSpace space = test::box_space([=](int) { return test::stiffening_spring(stiffness); });
+    space.scene_hash = scene;
+    return make_touch(std::make_shared<const Touchable>(space));
+  };
+  Rig rig(test::pressing());
+  ServoSettings settings;
+  settings.passivity_control = false;
+  rig.set(settings);
+  rig.inbox.touch.offer(of_scene("scene", 300));
+  rig.run(450ms);
+  const Tick before = rig.loop->last();
+  ASSERT_EQ(before.contact.status, ContactStatus::attached);
+  ASSERT_NE(before.dissipated, 0);
+  rig.inbox.touch.offer(of_scene("scene", 600));
+  Tick after = rig.step();
+  ASSERT_EQ(after.contact.status, ContactStatus::attached);
+  EXPECT_GT(after.contact.energy, 1.5 * before.contact.energy);
+  EXPECT_EQ(after.dissipated, before.dissipated);
+  rig.run(50ms);
+  EXPECT_NE(rig.loop->last().dissipated, before.dissipated) << "It goes on from there.";
+
+  rig.inbox.touch.offer(of_scene("another scene", 600));
+  after = rig.step();
+  EXPECT_EQ(after.contact.status, ContactStatus::inside);
+  EXPECT_EQ(after.dissipated, 0);
 }
 
 TEST(Loop, ZeroForceOnTheWayOut) {
@@ -601,7 +634,7 @@ TEST(Loop, WithoutAButtonTheDeadManSwitchIsRefused) {
 TEST(Loop, TheLimitsHoldWhateverTheBody) {
   for (double stiffness : {1e3, 1e7, 1e300}) {
     Rig rig(test::pressing());
-    rig.inbox.body.offer(test::box_body(stiffness));
+    rig.inbox.touch.offer(make_touch(test::box_body(stiffness)));
     ServoSettings settings;
     settings.force_limit = 2;
     settings.slew_limit = 300;
@@ -626,7 +659,7 @@ TEST(Loop, ABodyReplacedWhileTouchedMakesNoJump) {
   rig.run(500ms);
   Vec3 before = rig.motors();
   const Vec3 soft = before;
-  rig.inbox.body.offer(test::box_body(2000));
+  rig.inbox.touch.offer(make_touch(test::box_body(2000)));
   for (int i = 0; i < 30; ++i) {
     rig.step();
     EXPECT_LE((rig.motors() - before).norm(), 0.5 + 2 * kForceUnit);
@@ -634,8 +667,8 @@ TEST(Loop, ABodyReplacedWhileTouchedMakesNoJump) {
   }
   EXPECT_EQ(rig.loop->last().contact.status, ContactStatus::attached);
   EXPECT_GT(before.norm(), 4 * soft.norm());
-  rig.inbox.body.collect();
-  rig.inbox.body.offer(nullptr);
+  rig.inbox.touch.collect();
+  rig.inbox.touch.offer(nullptr);
   rig.run(50ms);
   EXPECT_EQ(rig.loop->last().contact.status, ContactStatus::nothing);
   EXPECT_EQ(rig.motors(), Vec3::Zero());
@@ -813,7 +846,7 @@ std::shared_ptr<Motion> diving(double depth) {
 // what the space knows, and is never a force of zero of one that is free or presses.
 TEST(Loop, AToolThatHasGoneThroughTheSurfaceIsInside) {
   Rig rig(diving(0.005));
-  rig.inbox.body.offer(test::pierced_body(0.5 * test::kPressedCell));
+  rig.inbox.touch.offer(make_touch(test::pierced_body(0.5 * test::kPressedCell)));
   int inside = 0;
   for (int i = 0; i < 700; ++i) {
     const Tick& tick = rig.step();
@@ -835,7 +868,7 @@ TEST(Loop, AToolThatHasGoneThroughTheSurfaceIsInside) {
 // What was felt before goes on, as an extrapolation, and never without a force.
 TEST(Loop, AToolThatGoesThroughTheSurfaceDeeperIsPressedOnByAnExtrapolation) {
   Rig rig(diving(0.005));
-  rig.inbox.body.offer(test::pierced_body(1.5 * test::kPressedCell));
+  rig.inbox.touch.offer(make_touch(test::pierced_body(1.5 * test::kPressedCell)));
   int extrapolated = 0;
   for (int i = 0; i < 700; ++i) {
     const Tick& tick = rig.step();

@@ -19,6 +19,7 @@
 #include "haptic/servo/servo.h"
 #include "haptic/support/analytic_body.h"
 #include "haptic/support/locked_memory.h"
+#include "haptic/touching/body_touch.h"
 #include "haptic/transport/simulated_board.h"
 
 namespace palpate::test::test_servo {
@@ -129,7 +130,7 @@ struct Pressing {
     ServoSettings settings;
     settings.workspace_centre = kMiddle;
     servo->set_settings(settings);
-    servo->set_body(body);
+    servo->set_touch(make_touch(body));
   }
 
   /// A machine that is busy with other tests may take its time.
@@ -254,7 +255,7 @@ TEST(Servo, ChangedFromOutsideWhileItRuns) {
   settings.workspace_centre = kMiddle;
   for (int i = 0; i < 300; ++i) {
     for (int offers = 0; offers <= i % 2; ++offers) {
-      pressing.servo->set_body(std::make_shared<const Touchable>(space, options));
+      pressing.servo->set_touch(make_touch(std::make_shared<const Touchable>(space, options)));
     }
     settings.force_limit = 1 + 0.01 * (i % 100);
     pressing.servo->set_settings(settings);
@@ -319,7 +320,7 @@ TEST(Servo, LocksItsOwnMemoryAndNotThatOfTheProgram) {
     EXPECT_GT(locked, pressing.body->bytes() + kOwnStack);
     EXPECT_LT(locked, pressing.body->bytes() + (std::size_t{4} << 20));
     // Another body takes its place.
-    pressing.servo->set_body(test::box_body());
+    pressing.servo->set_touch(make_touch(test::box_body()));
     ASSERT_TRUE(pressing.transport->wait_for_writes(3));
     EXPECT_TRUE(pressing.servo->stop());
   }

@@ -22,6 +22,7 @@
 #include "haptic/profile/palpate_report.h"
 #include "haptic/servo/loop.h"
 #include "haptic/support/analytic_body.h"
+#include "haptic/touching/body_touch.h"
 #include "solvers/support/allocations.h"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -104,8 +105,8 @@ struct Scene {
     offer_body(150);
   }
   void offer_body(double stiffness) {
-    inbox.body.offer(std::make_shared<const Touchable>(
-        test::box_space([=](int n) { return test::stiffening_spring(stiffness * (n + 1)); })));
+    inbox.touch.offer(make_touch(std::make_shared<const Touchable>(
+        test::box_space([=](int n) { return test::stiffening_spring(stiffness * (n + 1)); }))));
   }
   void run(int ticks) {
     for (int i = 0; i < ticks; ++i) {

@@ -408,7 +408,7 @@ TEST_P(Far, ARandomDanceFarBeyondTrainingIsBoundedAndMakesNoEnergy) {
   EXPECT_LT(gain, 0.02 * largest_energy);
   EXPECT_GT(most_lost, 0);
   // And it comes back when nobody holds it.
-  for (const auto& hand : rig.hands) hand->inbox.tool.offer(nullptr);
+  for (const auto& hand : rig.hands) hand->inbox.touch.offer(nullptr);
   rig.run(5s);
   EXPECT_LT(rig.loop->body().state().trust, 0.05);
   EXPECT_EQ(rig.loop->body().state().outcome, ReducedOutcome::converged);

@@ -4,6 +4,7 @@
 
 #include "haptic/profile/palpate_report.h"
 #include "haptic/servo/loop.h"
+#include "haptic/simulating/coupled_tool.h"
 #include "haptic/simulating/reduced_body_loop.h"
 #include "haptic/support/block_model.h"
 #include "solvers/support/allocations.h"
@@ -66,7 +67,7 @@ TEST(SimulatingRealtime, NeitherLoopAllocates) {
   settings.servo.workspace_centre = test::block_model().places[0];
   settings.servo.grasp_button = 0;
   inbox.settings.write(settings);
-  inbox.tool.offer(tools[0]);
+  inbox.touch.offer(std::make_shared<CoupledTool>(tools[0]));
   inbox.recording.offer(std::make_shared<TickRing>(64));
   const long before = test::num_allocations();
   ASSERT_EQ(before > 0, test::kCountsAllocations);

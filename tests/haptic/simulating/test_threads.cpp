@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "haptic/servo/servo.h"
+#include "haptic/simulating/coupled_tool.h"
 #include "haptic/simulating/lift.h"
 #include "haptic/simulating/reduced_body_thread.h"
 #include "haptic/support/block_model.h"
@@ -47,7 +48,7 @@ struct Threads {
       settings.workspace_centre = tools[static_cast<std::size_t>(h)].place;
       settings.grasp_button = 0;
       servos[h]->set_settings(settings);
-      servos[h]->set_tool(body->tool(h));
+      servos[h]->set_touch(std::make_unique<CoupledTool>(body->tool(h)));
     }
   }
   void start() {

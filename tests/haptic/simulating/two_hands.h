@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "haptic/servo/loop.h"
+#include "haptic/simulating/coupled_tool.h"
 #include "haptic/simulating/reduced_body_loop.h"
 #include "haptic/support/block_model.h"
 #include "haptic/transport/simulated_board.h"
@@ -46,7 +47,7 @@ struct Hand {
     settings.servo.workspace_centre = tool->options.place;
     settings.servo.grasp_button = 0;
     inbox.settings.write(settings);
-    inbox.tool.offer(std::move(tool));
+    inbox.touch.offer(std::make_shared<CoupledTool>(std::move(tool)));
     loop = std::make_unique<Loop>(board, *profile, *clock, ServoOptions(), inbox, outbox);
   }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "haptic/servo/loop.h"
+#include "haptic/touching/body_touch.h"
 #include "haptic/touching/pressing_range.h"
 #include "haptic/transport/simulated_board.h"
 
@@ -147,7 +148,7 @@ class GlideRig {
                board_options()),
         profile_(make_profile(ProfileKind::palpate_report, board_.feature())),
         loop_(std::make_unique<Loop>(board_, *profile_, *clock_, ServoOptions{}, inbox_, outbox_)) {
-    inbox_.body.offer(std::move(body));
+    inbox_.touch.offer(make_touch(std::move(body)));
     settings_.touch = touch;
     settings_.servo.passivity_control = passivity_control;
     inbox_.settings.write(settings_);

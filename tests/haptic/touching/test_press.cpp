@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
+#include "haptic/support/moved_tool.h"
 #include "haptic/support/pressed_body.h"
 #include "haptic/touching/pressing_range.h"
-#include "haptic/touching/tool.h"
 
 namespace palpate::test::test_press {
 namespace {
@@ -14,6 +14,7 @@ namespace {
 using test::kPressedDepth;
 using test::kPressedWidth;
 using test::kTouching;
+using test::MovedTool;
 
 /// Of the interpolation beside the formula, as a share of the force.
 constexpr double kInterpolated = 0.02;
@@ -56,7 +57,7 @@ struct Pressing {
 
   std::shared_ptr<const Touchable> body;
   TouchSettings settings;
-  Tool tool;
+  MovedTool tool;
   Contact contact;
 };
 

@@ -8,19 +8,20 @@
 
 #include "base/error.h"
 #include "haptic/support/analytic_body.h"
-#include "haptic/touching/tool.h"
+#include "haptic/support/moved_tool.h"
 
 namespace palpate::test::test_tool {
 namespace {
 
 using test::kBox;
+using test::MovedTool;
 
 constexpr double kStiffness = 200;
 
 const Vec3 kMiddle(0.04, 0.04, kBox[2]);
 
 /// Down through the top at (x, y) to a depth, m, in steps of a millimetre.
-Contact press(Tool& tool, const Touchable& body, const Vec3& at, double depth,
+Contact press(MovedTool& tool, const Touchable& body, const Vec3& at, double depth,
               const TouchSettings& settings = {}) {
   Contact contact;
   for (double z = 0.003; z > -depth; z -= 0.001) {
@@ -31,7 +32,7 @@ Contact press(Tool& tool, const Touchable& body, const Vec3& at, double depth,
 
 TEST(Tool, FreeThenAttachedThenFree) {
   const auto body = test::box_body(kStiffness);
-  Tool tool;
+  MovedTool tool;
   Contact contact = tool.move(body.get(), kMiddle + Vec3(0, 0, 0.005), {});
   EXPECT_EQ(contact.status, ContactStatus::free);
   EXPECT_NEAR(contact.distance, 0.005, 1e-15);
@@ -53,7 +54,7 @@ TEST(Tool, WeightsAreThoseOfWhereItCameIn) {
       test::box_space([](int n) { return test::stiffening_spring(100 * (n + 1)); });
   const Touchable body(space);
   const Vec3 at(0.031, 0.027, kBox[2]);
-  Tool tool;
+  MovedTool tool;
   (void)press(tool, body, at, 0.002);
   // Away from there, within the triangle of others.
   const Contact contact = tool.move(&body, at + Vec3(0.012, 0.01, -0.004), {});
@@ -76,7 +77,7 @@ TEST(Tool, WithoutBlendingTheNearestNode) {
   const auto body = test::box_body(kStiffness);
   TouchSettings settings;
   settings.blended = false;
-  Tool tool;
+  MovedTool tool;
   const Contact contact = press(tool, *body, kMiddle + Vec3(0.006, -0.003, 0), 0.002, settings);
   ASSERT_EQ(contact.status, ContactStatus::attached);
   EXPECT_EQ(contact.nodes[0], body->nodes()[4].mesh_point);
@@ -87,7 +88,7 @@ TEST(Tool, WithoutBlendingTheNearestNode) {
 
 TEST(Tool, WhereNoNodeIsNear) {
   const auto body = test::box_body(kStiffness);
-  Tool tool;
+  MovedTool tool;
   Contact contact = tool.move(body.get(), Vec3(0.001, 0.001, -0.002), {});  // below the bottom
   EXPECT_EQ(contact.status, ContactStatus::free);
   contact = tool.move(body.get(), Vec3(0.001, 0.001, 0.002), {});
@@ -99,14 +100,14 @@ TEST(Tool, WhereNoNodeIsNear) {
   EXPECT_EQ(contact.status, ContactStatus::inside);
   TouchSettings far;
   far.reach = 0.1;
-  Tool other;
+  MovedTool other;
   (void)other.move(body.get(), Vec3(0.001, 0.001, -0.002), far);
   EXPECT_EQ(other.move(body.get(), Vec3(0.001, 0.001, 0.002), far).status, ContactStatus::attached);
 }
 
 TEST(Tool, WhatBeginsInsideIsNotThrownOut) {
   const auto body = test::box_body(kStiffness);
-  Tool tool;
+  MovedTool tool;
   EXPECT_EQ(tool.move(body.get(), kMiddle - Vec3(0, 0, 0.01), {}).status, ContactStatus::inside);
   (void)tool.move(body.get(), kMiddle + Vec3(0, 0, 0.001), {});
   EXPECT_EQ(tool.move(body.get(), kMiddle - Vec3(0, 0, 0.001), {}).status, ContactStatus::attached);
@@ -117,7 +118,7 @@ TEST(Tool, BondedPullsUntilItLetsGo) {
   TouchSettings settings;
   settings.bonded = true;
   settings.release_force = 0.5;
-  Tool tool;
+  MovedTool tool;
   (void)press(tool, *body, kMiddle, 0.002, settings);
   bool pulled = false;
   double largest = 0;
@@ -144,7 +145,7 @@ TEST(Tool, WorkAroundAClosedPathIsZero) {
   for (double coupling : {0.0, 500.0}) {
     TouchSettings settings;
     settings.coupling_stiffness = coupling;
-    Tool tool;
+    MovedTool tool;
     const Vec3 at(0.031, 0.027, kBox[2]);
     (void)press(tool, body, at, 0.004, settings);
     double work = 0;
@@ -170,7 +171,7 @@ TEST(Tool, CouplingIsFeltAsASpringInSeries) {
   const auto body = test::box_body(kStiffness);
   TouchSettings settings;
   settings.coupling_stiffness = 300;
-  Tool tool;
+  MovedTool tool;
   const Contact contact = press(tool, *body, kMiddle, 0.004, settings);
   ASSERT_EQ(contact.status, ContactStatus::attached);
   // h(t) = c (offset − t) at what it says the nodes have.
@@ -182,7 +183,7 @@ TEST(Tool, CouplingIsFeltAsASpringInSeries) {
   // Its stiffness and energy are those of the force.
   constexpr double h = 1e-7;
   for (int k = 0; k < 3; ++k) {
-    Tool copy = tool;
+    MovedTool copy = tool;
     const Contact up = copy.move(body.get(), kMiddle + offset + h * Vec3::Unit(k), settings);
     const Contact down = copy.move(body.get(), kMiddle + offset - h * Vec3::Unit(k), settings);
     EXPECT_LT((contact.stiffness.col(k) + (up.force - down.force) / (2 * h)).norm(), 1e-3);
@@ -194,7 +195,7 @@ TEST(Tool, NoStiffnessAboveTheCoupling) {
   const auto rigid = test::box_body(1e7);
   TouchSettings settings;
   settings.coupling_stiffness = 1000;
-  Tool tool;
+  MovedTool tool;
   const Contact contact = press(tool, *rigid, kMiddle, 0.004, settings);
   EXPECT_NEAR(contact.force[2], 4, 0.01);
   EXPECT_LE(contact.stiffness.operatorNorm(), 1000);
@@ -203,7 +204,7 @@ TEST(Tool, NoStiffnessAboveTheCoupling) {
 TEST(Tool, AnotherBodyOfTheSameSceneIsTakenOver) {
   const auto coarse = test::box_body(kStiffness);
   const auto fine = test::box_body(kStiffness);
-  Tool tool;
+  MovedTool tool;
   const Contact before = press(tool, *coarse, kMiddle, 0.004);
   const Contact after = tool.move(fine.get(), kMiddle - Vec3(0, 0, 0.004), {});
   EXPECT_EQ(after.status, ContactStatus::attached);
@@ -216,7 +217,7 @@ TEST(Tool, AnotherBodyOfTheSameSceneIsTakenOver) {
   TouchSpace other = test::box_space([](int) { return test::stiffening_spring(kStiffness); });
   other.scene_hash = "another";
   const Touchable another(other);
-  Tool second;
+  MovedTool second;
   (void)press(second, *coarse, kMiddle, 0.004);
   EXPECT_EQ(second.move(&another, kMiddle - Vec3(0, 0, 0.004), {}).status, ContactStatus::inside);
   EXPECT_EQ(second.move(nullptr, kMiddle, {}).status, ContactStatus::nothing);
@@ -230,7 +231,7 @@ TEST(Tool, ChangesTheNodeInAHollow) {
   space.surface.points[middle][2] -= 0.015;
   space.tool_spaces[4].setup.interaction.material_point = space.surface.points[middle];
   const Touchable body(space);
-  Tool tool;
+  MovedTool tool;
   const Vec3 bottom = space.surface.points[middle];
   const std::int32_t first = press(tool, body, bottom, 0.001).nodes[0];
   ASSERT_EQ(first, middle);
@@ -252,7 +253,7 @@ TEST(Tool, NoPlaceGivesANaN) {
     TouchSettings settings;
     settings.bonded = true;
     settings.coupling_stiffness = coupling;
-    Tool tool;
+    MovedTool tool;
     (void)press(tool, *body, kMiddle, 0.004, settings);
     for (int i = 0; i < 20000; ++i) {
       const Vec3 place =

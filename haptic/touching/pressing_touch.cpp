@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/touching/pressing_touch.h"
+
+namespace palpate {
+
+bool PressingTouch::take_over(const Touch& before) noexcept {
+  if (!BodyTouch::take_over(before)) return false;
+  if (const auto* pressing = dynamic_cast<const PressingTouch*>(&before)) {
+    has_lost_ = pressing->has_lost_;
+    press_ = pressing->press_;
+  }
+  return true;
+}
+
+void PressingTouch::release() noexcept {
+  BodyTouch::release();
+  press_.release();
+}
+
+bool PressingTouch::grasp(const Contact& pressing, const TouchSettings& settings,
+                          const Vec3& place) noexcept {
+  const SurfaceTree::Nearest nearest = this->nearest(pressing.anchor);
+  if (nearest.triangle < 0 || !take_hold(nearest, body().tool_half_width(), settings)) {
+    return false;
+  }
+  hold_.go_on_from(place, -pressing.force, settings.coupling_stiffness);
+  press_.release();
+  return true;
+}
+
+Contact PressingTouch::touch(const HandState& hand, const TouchSettings& settings) noexcept {
+  const bool grasps = hand.grasp == Grasp::closed;
+  if (!grasps) {
+    has_lost_ = false;
+    hold_.let_go();
+  }
+  if (hold_.holds()) {
+    const Contact contact = hold_.move(hand.place, settings.coupling_stiffness);
+    if (!hold_.slips(contact, true, settings.release_force)) return contact;
+    release();
+    has_lost_ = true;
+  }
+  Contact contact = press_.move(*body().force_on_tool(), hand.place, settings);
+  if (contact.status == ContactStatus::pressing && !armed_) {
+    press_.release();
+    contact = {};
+    contact.status = ContactStatus::inside;
+  }
+  if (contact.status == ContactStatus::pressing) {
+    return grasps && !has_lost_ && grasp(contact, settings, hand.place)
+               ? hold_.move(hand.place, settings.coupling_stiffness)
+               : contact;
+  }
+  armed_ = contact.status == ContactStatus::free;
+  const SurfaceTree::Nearest nearest = this->nearest(hand.place);
+  contact.distance = nearest.distance;
+  contact.anchor = nearest.point;
+  return contact;
+}
+
+MemoryRanges PressingTouch::memory() const {
+  MemoryRanges ranges = body().memory();
+  ranges.push_back({this, sizeof *this});
+  return ranges;
+}
+
+}  // namespace palpate

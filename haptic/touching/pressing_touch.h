@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A rigid tool that presses a body and glides on it (press.h). While it grasps it holds an active
+// node (hold.h), as a bonded tool does.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "haptic/touching/body_touch.h"
+#include "haptic/touching/press.h"
+
+namespace palpate {
+
+class PressingTouch final : public BodyTouch {
+ public:
+  explicit PressingTouch(std::shared_ptr<const Touchable> body) : BodyTouch(std::move(body)) {}
+
+  bool take_over(const Touch& before) noexcept override;
+  void release() noexcept override;
+  [[nodiscard]] MemoryRanges memory() const override;
+
+ private:
+  /// The tool takes hold of the active node at which it presses while the hand's grasp is closed,
+  /// and lets go of it when that is over.
+  [[nodiscard]] Contact touch(const HandState& hand,
+                              const TouchSettings& settings) noexcept override;
+  [[nodiscard]] bool grasp(const Contact& pressing, const TouchSettings& settings,
+                           const Vec3& place) noexcept;
+
+  /// Whether the tool has lost the node that it grasped, while it is still asked to grasp.
+  bool has_lost_ = false;
+  Press press_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/touching/settings.h"
+
+#include <cmath>
+#include <string>
+
+#include "base/error.h"
+#include "base/quantity.h"
+
+namespace palpate {
+namespace {
+
+void check(double value, const char* name, const char* unit) {
+  if (std::isfinite(value) && value >= 0) return;
+  throw InputError(std::string(name) + " is " + quantity(value, unit) + ". Give 0 or more.");
+}
+
+}  // namespace
+
+void validate(const TouchSettings& settings) {
+  check(settings.release_force, "The force at which a bonded tool lets go", "N");
+  check(settings.reach, "The reach of active nodes", "m");
+  check(settings.coupling_stiffness, "The stiffness of the coupling", "N/m");
+  check(settings.friction, "The coefficient of friction", "");
+}
+
+}  // namespace palpate
