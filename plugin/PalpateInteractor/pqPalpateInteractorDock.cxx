@@ -391,7 +391,7 @@ void pqPalpateInteractorDock::makeRecorder(QFormLayout* form)
 
 void pqPalpateInteractorDock::makeSettings(QFormLayout* form)
 {
-  const pqPalpateTouch::Settings settings;
+  const pqPalpateRun::Settings settings;
   this->WorkspaceScale = Named(NumberBox(settings.WorkspaceScale, 1000, 0.1, ""), "workspaceScale",
     "Metres in the scene for a metre at the device. Of real devices.");
   this->WorkspaceScale->setSpecialValueText("fits the body");
@@ -660,7 +660,7 @@ void pqPalpateInteractorDock::startOrStop()
 
 void pqPalpateInteractorDock::sendSettings()
 {
-  pqPalpateTouch::Settings settings;
+  pqPalpateRun::Settings settings;
   settings.WorkspaceScale = this->WorkspaceScale->value();
   settings.FollowsCamera = this->FollowsCamera->isChecked();
   settings.ForceScale = this->ForceScale->value();
@@ -722,13 +722,6 @@ void pqPalpateInteractorDock::showReducedFigures()
   const pqPalpateReducedTouch::Figures f = this->ReducedTouch.figures();
   this->State->setText("body " + f.Outcome);
   this->State->setStyleSheet(f.Outcome == "converged" ? "" : FaultStyle);
-  this->Rates->setText(
-    QString("%1 steps/s, view %2 /s").arg(f.Rate, 0, 'f', 1).arg(f.FrameRate, 0, 'f', 0));
-  this->Lateness->setText(QString("%1 / %2 / %3 µs")
-                            .arg(f.Lateness[0], 0, 'f', 0)
-                            .arg(f.Lateness[1], 0, 'f', 0)
-                            .arg(f.Lateness[2], 0, 'f', 0));
-  this->Missed->setText(QString("%1 of %2 steps").arg(f.Missed).arg(f.Steps));
   this->StepTime->setText(
     QString("%1 / %2 µs").arg(f.StepTime[0], 0, 'f', 0).arg(f.StepTime[1], 0, 'f', 0));
   this->Trust->setText(
@@ -747,22 +740,32 @@ void pqPalpateInteractorDock::showReducedFigures()
     this->Tools->item(tool, StateColumn)->setText(figures.State);
     this->Tools->item(tool, StateColumn)->setToolTip(figures.State);
   }
-  if (this->Records->isChecked())
-  {
-    this->showRecorded(f.Recorded, f.NotRecorded);
-  }
-  if (f.Problem != this->Problem)
-  {
-    this->Problem = f.Problem;
-    this->say(f.Problem, true);
-  }
+  this->showPace(f, " steps");
 }
 
-void pqPalpateInteractorDock::showRecorded(quint64 ticks, quint64 missing)
+void pqPalpateInteractorDock::showPace(const pqPalpateRun::Pace& pace, const char* unit)
 {
-  this->Recorded->setText(QString("%1 ticks%2")
-                            .arg(ticks)
-                            .arg(missing > 0 ? QString(", %1 missing").arg(missing) : QString()));
+  this->Rates->setText(QString("%1%2/s, view %3 /s")
+                         .arg(pace.Rate, 0, 'f', 1)
+                         .arg(*unit ? unit : " ")
+                         .arg(pace.FrameRate, 0, 'f', 0));
+  this->Lateness->setText(QString("%1 / %2 / %3 µs")
+                            .arg(pace.Lateness[0], 0, 'f', 0)
+                            .arg(pace.Lateness[1], 0, 'f', 0)
+                            .arg(pace.Lateness[2], 0, 'f', 0));
+  this->Missed->setText(QString("%1 of %2%3").arg(pace.Missed).arg(pace.Number).arg(unit));
+  if (this->Records->isChecked())
+  {
+    const quint64 missing = pace.NotRecorded;
+    this->Recorded->setText(QString("%1 ticks%2")
+                              .arg(pace.Recorded)
+                              .arg(missing > 0 ? QString(", %1 missing").arg(missing) : QString()));
+  }
+  if (pace.Problem != this->Problem)
+  {
+    this->Problem = pace.Problem;
+    this->say(pace.Problem, true);
+  }
 }
 
 void pqPalpateInteractorDock::showFigures()
@@ -775,13 +778,6 @@ void pqPalpateInteractorDock::showFigures()
   this->State->setStyleSheet("");
   const pqPalpateTouch::Figures f = this->Touch.figures();
   this->State->setText(f.State + ", " + f.Contact);
-  this->Rates->setText(
-    QString("%1 /s, view %2 /s").arg(f.Rate, 0, 'f', 1).arg(f.FrameRate, 0, 'f', 0));
-  this->Lateness->setText(QString("%1 / %2 / %3 µs")
-                            .arg(f.Lateness[0], 0, 'f', 0)
-                            .arg(f.Lateness[1], 0, 'f', 0)
-                            .arg(f.Lateness[2], 0, 'f', 0));
-  this->Missed->setText(QString("%1 of %2").arg(f.Missed).arg(f.Ticks));
   this->Force->setText(
     QString("%1 N, body %2 N").arg(f.Force, 0, 'f', 3).arg(f.BodyForce, 0, 'f', 3));
   this->Depth->setText(f.Depth < 0
@@ -803,15 +799,7 @@ void pqPalpateInteractorDock::showFigures()
     place += QString(", %1 mm left").arg(1e3 * f.DepthLeft, 0, 'f', 1);
   }
   this->Place->setText(place);
-  if (this->Records->isChecked())
-  {
-    this->showRecorded(f.Recorded, f.NotRecorded);
-  }
-  if (f.Problem != this->Problem)
-  {
-    this->Problem = f.Problem;
-    this->say(f.Problem, true);
-  }
+  this->showPace(f, "");
 }
 
 void pqPalpateInteractorDock::showGraph(bool shown)
@@ -849,17 +837,16 @@ void pqPalpateInteractorDock::stopTouching()
   this->ReducedTouch.stop();
 }
 
-template <class AnyTouch>
-void pqPalpateInteractorDock::follow(AnyTouch& touch)
+void pqPalpateInteractorDock::follow(pqPalpateRun& run)
 {
-  QObject::connect(&touch, &AnyTouch::started, this, &pqPalpateInteractorDock::showState);
-  QObject::connect(&touch, &AnyTouch::stopped, this,
+  QObject::connect(&run, &pqPalpateRun::started, this, &pqPalpateInteractorDock::showState);
+  QObject::connect(&run, &pqPalpateRun::stopped, this,
     [this](const QString& why)
     {
       this->showState();
       this->say(why, !why.isEmpty());
     });
-  QObject::connect(&touch, &AnyTouch::sampled, this,
+  QObject::connect(&run, &pqPalpateRun::sampled, this,
     [this](double time, double force, double bodyForce)
     {
       if (this->Graph)
@@ -867,7 +854,7 @@ void pqPalpateInteractorDock::follow(AnyTouch& touch)
         this->Graph->addSample(time, force, bodyForce);
       }
     });
-  QObject::connect(&touch, &AnyTouch::recorded, this,
+  QObject::connect(&run, &pqPalpateRun::recorded, this,
     [this](const QString& file, quint64 ticks, const QString& fault)
     {
       this->Recorded->setText(

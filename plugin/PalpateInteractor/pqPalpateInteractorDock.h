@@ -61,10 +61,10 @@ private:
   QString whyTaken(int tool) const;
   /// Shows or hides a row of the figures.
   void showRow(QWidget* field, bool shown);
-  void showRecorded(quint64 ticks, quint64 missing);
-  /// Connects the signals of a pqPalpateTouch or a pqPalpateReducedTouch.
-  template <class AnyTouch>
-  void follow(AnyTouch& touch);
+  /// @param unit What the numbers count, with a space before it; empty: ticks.
+  void showPace(const pqPalpateRun::Pace& pace, const char* unit);
+  /// Connects the signals of what both kinds of touching have in common.
+  void follow(pqPalpateRun& run);
   /// Disables the settings that have no meaning for the present choice.
   void enableSettings();
   void startOrStop();

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqPalpateReducedTouch.h"
 
-#include <QElapsedTimer>
 #include <QFileInfo>
-#include <QPointer>
-#include <QScopedValueRollback>
 #include <algorithm>
 #include <exception>
 #include <mutex>
@@ -17,23 +14,13 @@
 #include "haptic/servo/servo.h"
 #include "haptic/simulating/coupled_tool.h"
 #include "haptic/simulating/reduced_body_thread.h"
-#include "pqApplicationCore.h"
-#include "pqOutputPort.h"
-#include "pqPalpateBodyView.h"
-#include "pqPalpateDevices.h"
 #include "pqPalpateFault.h"
 #include "pqPalpateFetch.h"
-#include "pqPalpateRecording.h"
 #include "pqPalpateReducedMouse.h"
 #include "pqPalpateToolView.h"
-#include "pqPipelineSource.h"
-#include "pqRenderView.h"
-#include "pqServer.h"
-#include "pqServerManagerModel.h"
 #include "vtkPVLogger.h"
 #include "vtkSMRenderViewProxy.h"
 
-using palpate::Mat3;
 using palpate::Vec3;
 
 namespace
@@ -60,11 +47,6 @@ QString WordsOfHold(palpate::ContactStatus status)
   return {};
 }
 
-QString Words(std::string_view text)
-{
-  return QString::fromUtf8(text.data(), static_cast<int>(text.size()));
-}
-
 /// The largest value of a coordinate of the tool in training, m.
 double Trained(const palpate::ReducedModel& model, int tool)
 {
@@ -72,37 +54,16 @@ double Trained(const palpate::ReducedModel& model, int tool)
 }
 }
 
-/// A device, its loop, and the tool that it moves.
-struct pqPalpateReducedTouch::Hand
-{
-  QString Device;
-  std::unique_ptr<palpate::Servo> Servo;
-  /// The settings as they were last set.
-  palpate::ServoSettings Settings;
-  std::shared_ptr<palpate::MouseMotion> Motion;
-  std::unique_ptr<pqPalpateReducedMouse> Mouse;
-  /// The place and the axes of the simulated hand's workspace.
-  Vec3 Centre = Vec3::Zero();
-  Mat3 Rotation = Mat3::Identity();
-  std::unique_ptr<pqPalpateRecording> Recording;
-  palpate::Tick Tick;
-};
-
 /// The objects that exist while it runs.
-struct pqPalpateReducedTouch::Session
+struct pqPalpateReducedTouch::Session : pqPalpateRun::Session
 {
-  QPointer<pqOutputPort> Port;
-  QPointer<pqPipelineSource> Source;
-  QPointer<pqRenderView> View;
+  using pqPalpateRun::Session::Session;
+
   pqPalpateReducedSpace Space;
   /// The figures of the model that is touched, see pqPalpateMarkReduced().
   std::vector<double> Mark;
-  pqPalpateTouch::Settings Settings;
+  pqPalpateRun::Settings Settings;
   QString Recording;
-  /// A sphere around the body, m.
-  Vec3 Centre = Vec3::Zero();
-  double Radius = 0;
-
   std::shared_ptr<palpate::Clock> Clock = std::make_shared<palpate::MonotonicClock>();
   std::vector<palpate::SimulatedToolOptions> Options;
   std::unique_ptr<palpate::ReducedBodyThread> Body;
@@ -110,11 +71,9 @@ struct pqPalpateReducedTouch::Session
   std::vector<std::unique_ptr<Hand>> Hands;
   /// Guards the list of hands, because Escape lets go of all of them on a thread of its own.
   std::mutex Mutex;
-  std::unique_ptr<pqPalpateBodyView> BodyView;
   std::vector<std::unique_ptr<pqPalpateToolView>> Tools;
   /// The coordinates that were last shown.
   Eigen::VectorXd Coordinates;
-  QElapsedTimer Time;
 
   void LetGo()
   {
@@ -136,31 +95,8 @@ struct pqPalpateReducedTouch::Session
 };
 
 pqPalpateReducedTouch::pqPalpateReducedTouch(QObject* parent)
-  : QObject(parent)
+  : pqPalpateRun(parent)
 {
-  this->FrameTimer.setInterval(pqPalpateTouch::FrameInterval);
-  this->FrameTimer.setTimerType(Qt::PreciseTimer);
-  QObject::connect(&this->FrameTimer, &QTimer::timeout, this, &pqPalpateReducedTouch::showFrame);
-  QObject::connect(&this->Watch, &pqPalpateRunWatch::mustEnd, this, &pqPalpateReducedTouch::end);
-  QObject::connect(pqApplicationCore::instance()->getServerManagerModel(),
-    &pqServerManagerModel::dataUpdated, this,
-    [this](pqPipelineSource* source)
-    {
-      if (!this->Running || source != this->Running->Source)
-      {
-        return;
-      }
-      std::vector<double> mark;
-      QString why = pqPalpateFault([&] { mark = pqPalpateMarkReduced(this->Running->Port); });
-      if (why.isEmpty() && mark != this->Running->Mark)
-      {
-        why = "The reduced model was made anew. Start again to touch the new one.";
-      }
-      if (!why.isEmpty())
-      {
-        this->end(why, pqPalpateRunWatch::Left::All);
-      }
-    });
 }
 
 pqPalpateReducedTouch::~pqPalpateReducedTouch()
@@ -168,43 +104,51 @@ pqPalpateReducedTouch::~pqPalpateReducedTouch()
   this->end({}, pqPalpateRunWatch::Left::Nothing);
 }
 
-std::unique_ptr<pqPalpateReducedTouch::Hand> pqPalpateReducedTouch::makeHand(
-  Session& session, int tool, const QString& device) const
+std::shared_ptr<pqPalpateReducedTouch::Session> pqPalpateReducedTouch::session() const
+{
+  return std::static_pointer_cast<Session>(this->Running);
+}
+
+void pqPalpateReducedTouch::takeNewData()
+{
+  std::vector<double> mark;
+  const std::shared_ptr<Session> session = this->session();
+  QString why = pqPalpateFault([&] { mark = pqPalpateMarkReduced(session->Port); });
+  if (why.isEmpty() && mark != session->Mark)
+  {
+    why = "The reduced model was made anew. Start again to touch the new one.";
+  }
+  if (!why.isEmpty())
+  {
+    this->end(why, pqPalpateRunWatch::Left::All);
+  }
+}
+
+std::unique_ptr<pqPalpateRun::Hand> pqPalpateReducedTouch::makeHand(
+  Session& session, int tool, const QString& device)
 {
   auto hand = std::make_unique<Hand>();
   hand->Device = device;
   const auto number = static_cast<std::size_t>(tool);
   const Vec3& place = session.Space.Places[number];
   const palpate::SimulatedToolOptions& options = session.Options[number];
-  vtkSMRenderViewProxy* view = session.View->getRenderViewProxy();
-  pqPalpateDevice opened;
-  if (device == pqPalpateMouseDevice)
+  pqPalpateDevice opened = open(*hand, session.Clock,
+    [&]
+    {
+      const double height = HeldHeight * options.reach;
+      // The hand takes hold where it comes within reach.
+      return HandWay{ place, (place - session.Centre).normalized(), height,
+        height - options.reach + HeldDepth * Trained(*session.Space.Model, tool) };
+    });
+  if (hand->Motion)
   {
-    hand->Motion = std::make_shared<palpate::MouseMotion>();
-    opened = pqPalpateSimulatedDevice(session.Clock, hand->Motion);
-    hand->Mouse =
-      std::make_unique<pqPalpateReducedMouse>(view, session.Space.Surface, place, hand->Motion);
-  }
-  else if (device == pqPalpateHandDevice)
-  {
-    const double height = HeldHeight * options.reach;
-    const Vec3 normal = (place - session.Centre).normalized();
-    const Vec3 across = normal.unitOrthogonal();
-    hand->Centre = place + height * normal;
-    hand->Rotation << across, normal.cross(across), normal;
-    // The hand takes hold where it comes within reach.
-    opened = pqPalpateSimulatedDevice(session.Clock,
-      pqPalpateHandMotion(
-        height - options.reach + HeldDepth * Trained(*session.Space.Model, tool)));
-  }
-  else
-  {
-    opened = pqPalpateOpenDevice(device);
+    hand->Mouse = std::make_unique<pqPalpateReducedMouse>(
+      session.View->getRenderViewProxy(), session.Space.Surface, place, hand->Motion);
   }
   hand->Servo = std::make_unique<palpate::Servo>(
     std::move(opened.Transport), std::move(opened.Profile), session.Clock, opened.Setup.options);
   hand->Settings.force_scale = session.Settings.ForceScale;
-  if (!hand->Mouse && device != pqPalpateHandDevice)
+  if (hand->IsReal())
   {
     hand->Settings.workspace_scale = session.Settings.WorkspaceScale > 0
       ? session.Settings.WorkspaceScale
@@ -227,41 +171,8 @@ std::unique_ptr<pqPalpateReducedTouch::Hand> pqPalpateReducedTouch::makeHand(
 
 void pqPalpateReducedTouch::applySettings(Session& session, Hand& hand) const
 {
-  palpate::ServoSettings& servo = hand.Settings;
-  servo.force_limit = this->Current.ForceLimit;
-  servo.dead_man_button = -1;
-  servo.grasp_button = -1;
-  if (hand.Mouse)
-  {
-    servo.workspace_centre = hand.Mouse->GetWorkspaceCentre();
-    servo.grasp_button = pqPalpateGraspButton;
-  }
-  else if (hand.Device == pqPalpateHandDevice)
-  {
-    servo.workspace_centre = hand.Centre;
-    servo.workspace_rotation = hand.Rotation;
-  }
-  else
-  {
-    const palpate::Specification& specification = hand.Servo->specification();
-    if (this->Current.NeedsButton)
-    {
-      servo.dead_man_button = palpate::dead_man_button_of(specification);
-    }
-    const int buttons = specification.num_buttons;
-    if (this->Current.GraspsWithButton && buttons - 1 > servo.dead_man_button)
-    {
-      servo.grasp_button = buttons - 1;
-    }
-    // A tool that holds the body must not be torn through it when the camera turns.
-    if (!palpate::touches(hand.Tick.contact.status))
-    {
-      servo.workspace_centre = session.Centre;
-      servo.workspace_rotation =
-        pqPalpateAxesOfDevice(this->Current.FollowsCamera ? session.View.data() : nullptr);
-    }
-  }
-  hand.Servo->set_settings(servo);
+  this->findSettings(session, hand, false);
+  hand.Servo->set_settings(hand.Settings);
 }
 
 QString pqPalpateReducedTouch::start(pqOutputPort* model, pqRenderView* view,
@@ -270,14 +181,11 @@ QString pqPalpateReducedTouch::start(pqOutputPort* model, pqRenderView* view,
   this->stop();
   try
   {
-    auto session = std::make_shared<Session>();
+    auto session = std::make_shared<Session>(model, view);
     session->Space = pqPalpateFetchReduced(model);
     const palpate::ReducedModel& reduced = *session->Space.Model;
     session->Coordinates = Eigen::VectorXd::Zero(reduced.num_coordinates());
-    session->Port = model;
     session->Mark = pqPalpateMarkReduced(model);
-    session->Source = model->getSource();
-    session->View = view;
     session->Settings = this->Current;
     session->Recording = recording;
     Eigen::AlignedBox3d box;
@@ -287,7 +195,7 @@ QString pqPalpateReducedTouch::start(pqOutputPort* model, pqRenderView* view,
     }
     session->Centre = box.center();
     const double size = box.diagonal().norm();
-    session->Radius = pqPalpateTouch::Room * size / 2;
+    session->Radius = Room * size / 2;
     const int tools = static_cast<int>(session->Space.Places.size());
     for (int tool = 0; tool < tools; ++tool)
     {
@@ -339,14 +247,13 @@ QString pqPalpateReducedTouch::start(pqOutputPort* model, pqRenderView* view,
   {
     return error.what();
   }
-  this->FrameTimer.start();
-  Q_EMIT this->started();
+  this->hasBegun();
   return {};
 }
 
 QString pqPalpateReducedTouch::setDevice(int tool, const QString& device)
 {
-  const std::shared_ptr<Session> session = this->Running;
+  const std::shared_ptr<Session> session = this->session();
   if (!session || tool < 0 || tool >= static_cast<int>(session->Hands.size()))
   {
     return {};
@@ -384,8 +291,9 @@ QString pqPalpateReducedTouch::setDevice(int tool, const QString& device)
 
 QString pqPalpateReducedTouch::device(int tool) const
 {
-  const Hand* hand = this->Running && tool < static_cast<int>(this->Running->Hands.size())
-    ? this->Running->Hands[static_cast<std::size_t>(tool)].get()
+  const std::shared_ptr<Session> session = this->session();
+  const Hand* hand = session && tool < static_cast<int>(session->Hands.size())
+    ? session->Hands[static_cast<std::size_t>(tool)].get()
     : nullptr;
   return hand ? hand->Device : QString();
 }
@@ -403,90 +311,55 @@ bool pqPalpateReducedTouch::endHand(Session& session, int tool)
     "tool %d with %s: %llu ticks, %.1f /s, lateness 99 %% %.0f us, missed %llu, largest force "
     "%.3f N, untrusted ticks %llu",
     tool, hand->Device.toUtf8().constData(), static_cast<unsigned long long>(statistics.ticks),
-    statistics.rate(), pqPalpateTouch::Microseconds(statistics.lateness.p99),
+    statistics.rate(), microseconds(statistics.lateness.p99),
     static_cast<unsigned long long>(statistics.missed), statistics.largest_force,
     static_cast<unsigned long long>(statistics.untrusted_ticks));
-  if (hand->Recording)
-  {
-    const QString fault = hand->Recording->Close();
-    Q_EMIT this->recorded(hand->Recording->GetFile(), hand->Recording->GetWritten(), fault);
-  }
+  this->closeRecording(std::move(hand->Recording));
   return ended;
 }
 
-void pqPalpateReducedTouch::stop()
+QString pqPalpateReducedTouch::endLoops(pqPalpateRun::Session& touched)
 {
-  this->end({}, pqPalpateRunWatch::Left::All);
-}
-
-void pqPalpateReducedTouch::end(const QString& why, pqPalpateRunWatch::Left left)
-{
-  if (!this->Running)
-  {
-    return;
-  }
-  this->FrameTimer.stop();
-  const std::shared_ptr<Session> session = std::move(this->Running);
+  auto& session = static_cast<Session&>(touched);
   // All loops are asked to end at once, and are then waited for one after the other.
-  session->LetGo();
+  session.LetGo();
   bool ended = true;
-  for (int tool = 0; tool < static_cast<int>(session->Hands.size()); ++tool)
+  for (int tool = 0; tool < static_cast<int>(session.Hands.size()); ++tool)
   {
-    ended = this->endHand(*session, tool) && ended;
+    ended = this->endHand(session, tool) && ended;
   }
-  session->Body->stop();
-  const palpate::ReducedBodyStatistics statistics = session->Body->statistics();
-  const quint64 frames = session->BodyView->GetNumberOfFrames();
+  session.Body->stop();
+  const palpate::ReducedBodyStatistics statistics = session.Body->statistics();
+  const quint64 frames = session.BodyView->GetNumberOfFrames();
   vtkVLogF(PARAVIEW_LOG_PLUGIN_VERBOSITY(),
     "reduced body: %llu steps, %.1f /s, step 50 %% %.0f us, 99 %% %.0f us, missed %llu, largest "
     "trust %.2f, %llu frames, %.1f /s",
     static_cast<unsigned long long>(statistics.steps), statistics.rate(),
-    pqPalpateTouch::Microseconds(statistics.step_time.median),
-    pqPalpateTouch::Microseconds(statistics.step_time.p99),
+    microseconds(statistics.step_time.median), microseconds(statistics.step_time.p99),
     static_cast<unsigned long long>(statistics.missed), statistics.largest_trust,
     static_cast<unsigned long long>(frames),
-    1e3 * static_cast<double>(frames) / std::max<qint64>(1, session->Time.elapsed()));
-  session->Tools.clear();
-  // The fault that has ended it may come again here.
-  const QString fault = pqPalpateFault([&] { session->BodyView->Leave(left); });
-  Q_EMIT this->stopped(ended
-      ? (why.isEmpty() ? fault : why)
-      : "A device's driver hangs: the device itself has to switch its motors off.");
-  // This comes last: any question to a server that is lost ends ParaView, and the message has to
-  // come before that.
-  this->Watch.end();
+    1e3 * static_cast<double>(frames) / std::max<qint64>(1, session.Time.elapsed()));
+  session.Tools.clear();
+  return ended ? QString()
+               : "A device's driver hangs: the device itself has to switch its motors off.";
 }
 
-void pqPalpateReducedTouch::showFrame()
+void pqPalpateReducedTouch::tellLives()
 {
-  const QString fault = pqPalpateFault([this] { this->advance(); });
-  if (!fault.isEmpty())
+  for (const std::unique_ptr<Hand>& hand : this->session()->Hands)
   {
-    this->end(fault, pqPalpateRunWatch::Left::All);
+    if (hand)
+    {
+      hand->Servo->host_lives();
+    }
   }
 }
 
 void pqPalpateReducedTouch::advance()
 {
-  if (this->Watch.hearsEscape())
-  {
-    this->stop();
-  }
-  for (int tool = 0; this->Running && tool < static_cast<int>(this->Running->Hands.size()); ++tool)
-  {
-    if (Hand* hand = this->Running->Hands[static_cast<std::size_t>(tool)].get())
-    {
-      hand->Servo->host_lives();
-    }
-  }
-  // Rendering may handle events, also those of the timer.
-  if (!this->Running || this->IsShowing || this->Running->Source->getServer()->isProgressPending())
-  {
-    return;
-  }
-  const QScopedValueRollback<bool> showing(this->IsShowing, true);
-  const std::shared_ptr<Session> session = this->Running;
-  double largest[2] = { 0, 0 };
+  const std::shared_ptr<Session> session = this->session();
+  session->Force = 0;
+  session->BodyForce = 0;
   for (int tool = 0; tool < static_cast<int>(session->Hands.size()); ++tool)
   {
     Hand* hand = session->Hands[static_cast<std::size_t>(tool)].get();
@@ -517,16 +390,12 @@ void pqPalpateReducedTouch::advance()
       Q_EMIT this->toolLost(tool, fault);
       continue;
     }
-    largest[0] = std::max(largest[0], hand->Tick.force.norm());
-    largest[1] = std::max(largest[1], hand->Tick.contact.force.norm());
+    session->Force = std::max(session->Force, hand->Tick.force.norm());
+    session->BodyForce = std::max(session->BodyForce, hand->Tick.contact.force.norm());
   }
   if (this->Running == session)
   {
     this->show(*session);
-  }
-  if (this->Running == session)
-  {
-    Q_EMIT this->sampled(1e-3 * session->Time.elapsed(), largest[0], largest[1]);
   }
 }
 
@@ -579,15 +448,6 @@ void pqPalpateReducedTouch::show(Session& session)
   session.BodyView->Draw();
 }
 
-void pqPalpateReducedTouch::setSettings(const pqPalpateTouch::Settings& settings)
-{
-  if (this->Running && settings.InTissue != this->Current.InTissue)
-  {
-    this->Running->BodyView->SetColours(settings.InTissue);
-  }
-  this->Current = settings;
-}
-
 pqPalpateReducedTouch::Figures pqPalpateReducedTouch::figures()
 {
   Figures figures;
@@ -595,21 +455,16 @@ pqPalpateReducedTouch::Figures pqPalpateReducedTouch::figures()
   {
     return figures;
   }
-  Session& session = *this->Running;
+  Session& session = *this->session();
   const palpate::ReducedBodyStatistics statistics = session.Body->statistics();
   const palpate::ReducedState& state = session.Body->latest().state;
   figures.Outcome = QString::fromStdString(palpate::to_string(state.outcome));
   figures.Trust = state.trust;
   figures.IsTrusted = state.trust <= palpate::kLargestTrusted;
-  figures.Rate = statistics.rate();
-  figures.FrameRate = session.BodyView->GetFrameRate();
-  figures.Lateness[0] = pqPalpateTouch::Microseconds(statistics.lateness.median);
-  figures.Lateness[1] = pqPalpateTouch::Microseconds(statistics.lateness.p99);
-  figures.Lateness[2] = pqPalpateTouch::Microseconds(statistics.lateness.largest);
-  figures.StepTime[0] = pqPalpateTouch::Microseconds(statistics.step_time.median);
-  figures.StepTime[1] = pqPalpateTouch::Microseconds(statistics.step_time.p99);
-  figures.Steps = statistics.steps;
-  figures.Missed = statistics.missed;
+  takePace(session, statistics, figures);
+  figures.Number = statistics.steps;
+  figures.StepTime[0] = microseconds(statistics.step_time.median);
+  figures.StepTime[1] = microseconds(statistics.step_time.p99);
   figures.Problem = QString::fromStdString(session.Body->problem());
   for (std::size_t number = 0; number < session.Hands.size(); ++number)
   {
@@ -619,11 +474,11 @@ pqPalpateReducedTouch::Figures pqPalpateReducedTouch::figures()
     if (hand)
     {
       const palpate::Tick tick = hand->Servo->latest();
-      tool.State = Words(palpate::to_string(tick.state)) + ", " + WordsOfHold(tick.contact.status);
+      tool.State = words(palpate::to_string(tick.state)) + ", " + WordsOfHold(tick.contact.status);
       const std::string_view why = palpate::words_for(tick.tripped);
       if (!why.empty())
       {
-        tool.State += ". There is no force: " + Words(why);
+        tool.State += ". There is no force: " + words(why);
       }
       tool.Force = tick.force.norm();
       tool.BodyForce = tick.contact.force.norm();
@@ -632,11 +487,7 @@ pqPalpateReducedTouch::Figures pqPalpateReducedTouch::figures()
       {
         figures.Problem = QString("Tool %1: %2").arg(number).arg(QString::fromStdString(problem));
       }
-      if (hand->Recording)
-      {
-        figures.Recorded += hand->Recording->GetWritten();
-        figures.NotRecorded += hand->Recording->GetDropped();
-      }
+      addRecorded(*hand, figures);
     }
     figures.Tools.push_back(tool);
   }

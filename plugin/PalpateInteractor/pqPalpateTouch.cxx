@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqPalpateTouch.h"
 
-#include <QElapsedTimer>
-#include <QPointer>
-#include <QScopedValueRollback>
 #include <algorithm>
 #include <exception>
 #include <utility>
@@ -12,26 +9,16 @@
 #include "haptic/servo/servo.h"
 #include "haptic/touching/body_touch.h"
 #include "haptic/touching/pressing_range.h"
-#include "pqApplicationCore.h"
-#include "pqOutputPort.h"
-#include "pqPalpateBodyView.h"
-#include "pqPalpateDevices.h"
 #include "pqPalpateFault.h"
 #include "pqPalpateFetch.h"
 #include "pqPalpateNodeMouse.h"
-#include "pqPalpateRecording.h"
 #include "pqPalpateToolMouse.h"
 #include "pqPalpateToolView.h"
-#include "pqPipelineSource.h"
-#include "pqRenderView.h"
-#include "pqServer.h"
-#include "pqServerManagerModel.h"
 #include "vtkPVLogger.h"
 #include "state_space/pressing_space.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMRenderViewProxy.h"
 
-using palpate::Mat3;
 using palpate::Vec3;
 
 namespace
@@ -102,33 +89,19 @@ double UsualPressure(const palpate::TouchToolSpace& rigid)
 }
 
 /// The objects that exist while it runs.
-struct pqPalpateTouch::Session
+struct pqPalpateTouch::Session : pqPalpateRun::Session
 {
-  QPointer<pqOutputPort> Space;
-  QPointer<pqPipelineSource> Source;
-  QPointer<pqRenderView> View;
-  QString Device;
+  using pqPalpateRun::Session::Session;
+
+  pqPalpateRun::Hand Hand;
   vtkMTimeType DataTime = 0;
   std::shared_ptr<const palpate::Touchable> Body;
-  /// A sphere around all that can be touched, m.
-  Vec3 Centre = Vec3::Zero();
-  double Radius = 0;
   /// How deep the rigid tool presses, m; 0: there is none.
   double Deepest = 0;
   palpate::RigidTool RigidTool;
-  /// The place and the axes of the simulated hand's workspace.
-  Vec3 HandCentre = Vec3::Zero();
-  Mat3 HandRotation = Mat3::Identity();
-
-  std::unique_ptr<palpate::Servo> Servo;
-  /// The settings of the servo as they were last set.
-  palpate::ServoSettings ServoSettings;
+  /// The settings of the touch as they were last set.
   palpate::TouchSettings TouchSettings;
-  std::shared_ptr<palpate::MouseMotion> Motion;
-  std::unique_ptr<pqPalpateMouse> Mouse;
   std::unique_ptr<pqPalpateToolView> Tool;
-  std::unique_ptr<pqPalpateBodyView> BodyView;
-  std::unique_ptr<pqPalpateRecording> Recording;
 
   /// The node and the branch that are shown.
   int Node = -1;
@@ -138,7 +111,6 @@ struct pqPalpateTouch::Session
   Vec3 Place = Vec3::Zero();
   bool ShowsFree = false;
   bool Touches = false;
-  QElapsedTimer Time;
 
   /// Takes the client's copy of the space.
   void SetSpace(const palpate::TouchSpace& space)
@@ -187,85 +159,62 @@ struct pqPalpateTouch::Session
   {
     vtkSMRenderViewProxy* view = this->View->getRenderViewProxy();
     this->Tool = std::make_unique<pqPalpateToolView>(view, space, *this->Body);
-    if (this->Motion)
+    if (const auto& motion = this->Hand.Motion)
     {
       std::unique_ptr<pqPalpateMouse> mouse;
       if (this->Body->force_on_tool())
       {
-        mouse = std::make_unique<pqPalpateToolMouse>(view, space, this->Body, this->Motion);
+        mouse = std::make_unique<pqPalpateToolMouse>(view, space, this->Body, motion);
       }
       else
       {
-        mouse = std::make_unique<pqPalpateNodeMouse>(view, space, this->Body, this->Motion);
+        mouse = std::make_unique<pqPalpateNodeMouse>(view, space, this->Body, motion);
       }
-      if (this->Mouse)
+      if (this->Hand.Mouse)
       {
-        mouse->GoOnFrom(*this->Mouse);
+        mouse->GoOnFrom(*this->Hand.Mouse);
       }
-      this->Mouse = std::move(mouse);
-      this->Tool->Say(this->Mouse->GetHint());
+      this->Hand.Mouse = std::move(mouse);
+      this->Tool->Say(this->Hand.Mouse->GetHint());
     }
     // This draws the view, because no frame is drawn as long as nothing is touched.
     this->View->render();
   }
 
-  pqPalpateDevice OpenDevice(
-    const std::shared_ptr<palpate::Clock>& clock, const palpate::TouchSpace& space)
+  /// The way of the simulated hand.
+  pqPalpateRun::HandWay HandWay(const palpate::TouchSpace& space) const
   {
-    if (this->Device == pqPalpateMouseDevice)
-    {
-      this->Motion = std::make_shared<palpate::MouseMotion>();
-      return pqPalpateSimulatedDevice(clock, this->Motion);
-    }
-    if (this->Device == pqPalpateHandDevice)
-    {
-      const palpate::TouchToolSpace* rigid = palpate::find_pressing(space);
-      const palpate::ToolSpaceSetup& setup = (rigid ? *rigid : space.tool_spaces.front()).setup;
-      const auto [place, normal, depth] = palpate::start_place(space, *this->Body);
-      const double height =
-        rigid ? HandRoom * setup.grid.coarsest * setup.grid.spacing() : HandHeight * depth;
-      this->HandCentre = place + height * normal;
-      const Vec3 across = normal.unitOrthogonal();
-      this->HandRotation << across, normal.cross(across), normal;
-      return pqPalpateSimulatedDevice(clock, pqPalpateHandMotion(height + HandDepth * depth));
-    }
-    return pqPalpateOpenDevice(this->Device);
+    const palpate::TouchToolSpace* rigid = palpate::find_pressing(space);
+    const palpate::ToolSpaceSetup& setup = (rigid ? *rigid : space.tool_spaces.front()).setup;
+    const auto [place, normal, depth] = palpate::start_place(space, *this->Body);
+    const double height =
+      rigid ? HandRoom * setup.grid.coarsest * setup.grid.spacing() : HandHeight * depth;
+    return { place, normal, height, height + HandDepth * depth };
   }
 
   void MakeBodyView(const palpate::TouchSpace& space, bool inTissue)
   {
     const palpate::TouchToolSpace* rigid = palpate::find_pressing(space);
     const double depth = space.tool_spaces.front().setup.depth();
-    this->BodyView = std::make_unique<pqPalpateBodyView>(this->Space, this->View,
+    this->BodyView = std::make_unique<pqPalpateBodyView>(this->Port, this->View,
       rigid ? "ContactPressure" : "Displacement", rigid ? UsualPressure(*rigid) : depth, inTissue,
       this->Away().data());
   }
-
-  bool IsSimulatedHand() const { return this->Device == pqPalpateHandDevice; }
 };
 
 pqPalpateTouch::pqPalpateTouch(QObject* parent)
-  : QObject(parent)
+  : pqPalpateRun(parent)
 {
-  this->FrameTimer.setInterval(FrameInterval);
-  this->FrameTimer.setTimerType(Qt::PreciseTimer);
-  QObject::connect(&this->FrameTimer, &QTimer::timeout, this, &pqPalpateTouch::showFrame);
-
-  QObject::connect(&this->Watch, &pqPalpateRunWatch::mustEnd, this, &pqPalpateTouch::end);
-  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
-  QObject::connect(model, &pqServerManagerModel::dataUpdated, this,
-    [this](pqPipelineSource* source)
-    {
-      if (this->Running && source == this->Running->Source)
-      {
-        this->takeNewData();
-      }
-    });
 }
 
 pqPalpateTouch::~pqPalpateTouch()
 {
   this->end({}, pqPalpateRunWatch::Left::Nothing);
+}
+
+std::shared_ptr<pqPalpateTouch::Session> pqPalpateTouch::session() const
+{
+  return std::static_pointer_cast<Session>(this->Running);
 }
 
 QString pqPalpateTouch::start(
@@ -274,172 +223,112 @@ QString pqPalpateTouch::start(
   this->stop();
   try
   {
-    auto session = std::make_shared<Session>();
+    auto session = std::make_shared<Session>(space, view);
+    Hand& hand = session->Hand;
+    hand.Device = device;
     // The recording is made first, because without it there is no reason to open a device.
     if (!recording.isEmpty())
     {
-      session->Recording = std::make_unique<pqPalpateRecording>(recording);
+      hand.Recording = std::make_unique<pqPalpateRecording>(recording);
     }
     const palpate::TouchSpace copy = pqPalpateFetchSpace(space);
-    session->Space = space;
-    session->Source = space->getSource();
-    session->View = view;
-    session->Device = device;
     session->DataTime = pqPalpateDataTime(space);
     session->SetSpace(copy);
     const auto clock = std::make_shared<palpate::MonotonicClock>();
-    pqPalpateDevice opened = session->OpenDevice(clock, copy);
+    pqPalpateDevice opened = open(hand, clock, [&] { return session->HandWay(copy); });
     session->MakeBodyView(copy, this->Current.InTissue);
     session->ShowSpace(copy);
-    session->Servo = std::make_unique<palpate::Servo>(
+    hand.Servo = std::make_unique<palpate::Servo>(
       std::move(opened.Transport), std::move(opened.Profile), clock, opened.Setup.options);
     // The filter that shows the body moves one node, so one node is felt.
     session->TouchSettings.blended = false;
-    session->Servo->set_touch(palpate::make_touch(session->Body));
-    if (session->Recording)
+    hand.Servo->set_touch(palpate::make_touch(session->Body));
+    if (hand.Recording)
     {
       opened.Setup.scene_hash = session->Body->scene_hash();
-      session->Recording->Start(opened.Setup, *session->Servo);
+      hand.Recording->Start(opened.Setup, *hand.Servo);
     }
     session->Time.start();
-    this->Running = std::move(session);
-    this->applySettings({});
-    this->Running->Servo->start();
-    this->Watch.begin(space, view, this->Running->BodyView->GetFilter(),
-      [servo = this->Running->Servo.get()] { servo->let_go(); });
+    this->Running = session;
+    this->applySettings();
+    hand.Servo->start();
+    this->Watch.begin(
+      space, view, session->BodyView->GetFilter(), [servo = hand.Servo.get()] { servo->let_go(); });
   }
   catch (const std::exception& error)
   {
     this->end({}, pqPalpateRunWatch::Left::All);
     return error.what();
   }
-  this->FrameTimer.start();
-  Q_EMIT this->started();
+  this->hasBegun();
   return {};
 }
 
-void pqPalpateTouch::stop()
+QString pqPalpateTouch::endLoops(pqPalpateRun::Session& ended)
 {
-  this->end({}, pqPalpateRunWatch::Left::All);
-}
-
-void pqPalpateTouch::end(const QString& why, pqPalpateRunWatch::Left left)
-{
-  if (!this->Running)
-  {
-    return;
-  }
-  this->FrameTimer.stop();
-  const std::shared_ptr<Session> session = std::move(this->Running);
-  const bool ended = session->Servo->stop();
-  const palpate::Statistics statistics = session->Servo->statistics();
-  const quint64 frames = session->BodyView->GetNumberOfFrames();
+  auto& session = static_cast<Session&>(ended);
+  Hand& hand = session.Hand;
+  const bool hasEnded = hand.Servo->stop();
+  const palpate::Statistics statistics = hand.Servo->statistics();
+  const quint64 frames = session.BodyView->GetNumberOfFrames();
   vtkVLogF(PARAVIEW_LOG_PLUGIN_VERBOSITY(),
     "touched with %s: %llu ticks, %.1f /s, lateness 50 %% %.0f us, 99 %% %.0f us, 99.9 %% %.0f us, "
     "largest %.0f us, missed %llu, largest force %.3f N, %llu frames, %.1f /s",
-    session->Device.toUtf8().constData(), static_cast<unsigned long long>(statistics.ticks),
-    statistics.rate(), Microseconds(statistics.lateness.median),
-    Microseconds(statistics.lateness.p99), Microseconds(statistics.lateness.p999),
-    Microseconds(statistics.lateness.largest), static_cast<unsigned long long>(statistics.missed),
+    hand.Device.toUtf8().constData(), static_cast<unsigned long long>(statistics.ticks),
+    statistics.rate(), microseconds(statistics.lateness.median),
+    microseconds(statistics.lateness.p99), microseconds(statistics.lateness.p999),
+    microseconds(statistics.lateness.largest), static_cast<unsigned long long>(statistics.missed),
     statistics.largest_force, static_cast<unsigned long long>(frames),
-    1e3 * static_cast<double>(frames) / std::max<qint64>(1, session->Time.elapsed()));
-  this->closeRecording(*session, {});
-  session->Mouse.reset();
-  session->Tool.reset();
-  // The fault that has ended it may come again here.
-  const QString fault = pqPalpateFault([&] { session->BodyView->Leave(left); });
-  Q_EMIT this->stopped(ended
-      ? (why.isEmpty() ? fault : why)
-      : "The device's driver hangs: the device itself has to switch its motors off.");
-  // This comes last: any question to a server that is lost ends ParaView, and the message has to
-  // come before that.
-  this->Watch.end();
+    1e3 * static_cast<double>(frames) / std::max<qint64>(1, session.Time.elapsed()));
+  this->closeRecording(std::move(hand.Recording));
+  hand.Mouse.reset();
+  session.Tool.reset();
+  return hasEnded ? QString()
+                  : "The device's driver hangs: the device itself has to switch its motors off.";
 }
 
-void pqPalpateTouch::closeRecording(Session& session, const QString& fault)
+void pqPalpateTouch::applySettings()
 {
-  if (const std::unique_ptr<pqPalpateRecording> recording = std::move(session.Recording))
-  {
-    const QString ownFault = recording->Close();
-    Q_EMIT this->recorded(
-      recording->GetFile(), recording->GetWritten(), ownFault.isEmpty() ? fault : ownFault);
-  }
-}
-
-void pqPalpateTouch::setSettings(const Settings& settings)
-{
-  if (this->Running && settings.InTissue != this->Current.InTissue)
-  {
-    this->Running->BodyView->SetColours(settings.InTissue);
-  }
-  this->Current = settings;
-}
-
-void pqPalpateTouch::applySettings(const palpate::Tick& tick)
-{
-  Session& session = *this->Running;
-  palpate::ServoSettings& servo = session.ServoSettings;
-  servo.force_scale = this->Current.ForceScale;
-  servo.force_limit = this->Current.ForceLimit;
-  const bool isReal = !session.Mouse && !session.IsSimulatedHand();
-  servo.dead_man_button = isReal && this->Current.NeedsButton
-    ? palpate::dead_man_button_of(session.Servo->specification())
-    : -1;
+  Session& session = *this->session();
+  Hand& hand = session.Hand;
+  this->findSettings(session, hand, true);
+  hand.Settings.force_scale = this->Current.ForceScale;
   session.TouchSettings.bonded = this->Current.Bonded;
   session.TouchSettings.release_force = this->Current.ReleaseForce;
-  servo.grasp_button = -1;
   session.TouchSettings.friction = this->Current.Friction;
-  if (session.Mouse)
+  if (hand.Mouse)
   {
-    servo.workspace_centre = session.Mouse->GetWorkspaceCentre();
-    servo.grasp_button = pqPalpateGraspButton;
-    session.TouchSettings.bonded = session.Mouse->IsHolding();
+    session.TouchSettings.bonded = hand.Mouse->IsHolding();
     // The mouse pulls no hand, so that it never has to let go.
     session.TouchSettings.release_force = 0;
   }
-  else if (session.IsSimulatedHand())
+  else if (hand.IsReal() && !palpate::touches(hand.Tick.contact.status))
   {
-    servo.workspace_centre = session.HandCentre;
-    servo.workspace_rotation = session.HandRotation;
-  }
-  // The workspace follows the camera only while the tool touches nothing, so that the tool is not
-  // torn through the body.
-  else if (!palpate::touches(tick.contact.status))
-  {
-    const palpate::Specification& device = session.Servo->specification();
-    servo.workspace_centre = session.Centre;
-    servo.workspace_scale = this->Current.WorkspaceScale > 0
+    hand.Settings.workspace_scale = this->Current.WorkspaceScale > 0
       ? this->Current.WorkspaceScale
-      : session.Radius / device.workspace_radius;
-    servo.workspace_rotation =
-      pqPalpateAxesOfDevice(this->Current.FollowsCamera ? session.View.data() : nullptr);
-  }
-  if (!session.Mouse && this->Current.GraspsWithButton)
-  {
-    const int last = session.Servo->specification().num_buttons - 1;
-    servo.grasp_button = last > servo.dead_man_button ? last : -1;
+      : session.Radius / hand.Servo->specification().workspace_radius;
   }
   session.TouchSettings.coupling_stiffness = palpate::coupling_stiffness_for(
-    session.Servo->specification(), session.Body->largest_stiffness(), servo);
-  session.Servo->set_settings(servo);
-  session.Servo->set_touch_settings(session.TouchSettings);
+    hand.Servo->specification(), session.Body->largest_stiffness(), hand.Settings);
+  hand.Servo->set_settings(hand.Settings);
+  hand.Servo->set_touch_settings(session.TouchSettings);
 }
 
 void pqPalpateTouch::takeNewData()
 {
   // The session may end while the data are on their way.
-  const std::shared_ptr<Session> kept = this->Running;
+  const std::shared_ptr<Session> kept = this->session();
   Session& session = *kept;
   const QString fault = pqPalpateFault(
     [&]
     {
-      const vtkMTimeType time = pqPalpateDataTime(session.Space);
+      const vtkMTimeType time = pqPalpateDataTime(session.Port);
       if (time != 0 && time == session.DataTime)
       {
         return;
       }
       session.DataTime = time;
-      const palpate::TouchSpace copy = pqPalpateFetchSpace(session.Space);
+      const palpate::TouchSpace copy = pqPalpateFetchSpace(session.Port);
       if (this->Running != kept)
       {
         return;
@@ -447,11 +336,12 @@ void pqPalpateTouch::takeNewData()
       const bool isOther = copy.scene_hash != session.Body->scene_hash();
       session.SetSpace(copy);
       session.ShowSpace(copy);
-      session.Servo->set_touch(palpate::make_touch(session.Body));
-      if (isOther && session.Recording)
+      session.Hand.Servo->set_touch(palpate::make_touch(session.Body));
+      if (isOther && session.Hand.Recording)
       {
-        session.Servo->set_recording(nullptr);
-        this->closeRecording(session, "The body has become another one: the recording ends there.");
+        session.Hand.Servo->set_recording(nullptr);
+        this->closeRecording(std::move(session.Hand.Recording),
+          "The body has become another one: the recording ends there.");
       }
       if (session.Node >= 0 && session.Body->find(session.Node) < 0)
       {
@@ -465,45 +355,30 @@ void pqPalpateTouch::takeNewData()
   }
 }
 
-void pqPalpateTouch::showFrame()
+void pqPalpateTouch::tellLives()
 {
-  const QString fault = pqPalpateFault([this] { this->advance(); });
-  if (!fault.isEmpty())
-  {
-    this->end(fault, pqPalpateRunWatch::Left::All);
-  }
+  this->session()->Hand.Servo->host_lives();
 }
 
 void pqPalpateTouch::advance()
 {
-  if (this->Watch.hearsEscape())
-  {
-    this->stop();
-  }
-  if (this->Running)
-  {
-    this->Running->Servo->host_lives();
-  }
-  // Rendering may handle events, also those of the timer.
-  if (!this->Running || this->IsShowing || this->Running->Source->getServer()->isProgressPending())
-  {
-    return;
-  }
-  const QScopedValueRollback<bool> showing(this->IsShowing, true);
-  const std::shared_ptr<Session> kept = this->Running;
+  const std::shared_ptr<Session> kept = this->session();
   Session& session = *kept;
-  const palpate::Tick tick = session.Servo->latest();
-  if (tick.state == palpate::ServoState::gone)
+  Hand& hand = session.Hand;
+  hand.Tick = hand.Servo->latest();
+  if (hand.Tick.state == palpate::ServoState::gone)
   {
-    this->end("The device is gone: " + QString::fromStdString(session.Servo->problem()),
+    this->end("The device is gone: " + QString::fromStdString(hand.Servo->problem()),
       pqPalpateRunWatch::Left::All);
     return;
   }
-  if (session.Mouse)
+  if (hand.Mouse)
   {
-    session.Mouse->Advance(tick);
+    hand.Mouse->Advance(hand.Tick);
   }
-  this->applySettings(tick);
+  this->applySettings();
+  session.Force = hand.Tick.force.norm();
+  session.BodyForce = hand.Tick.contact.force.norm();
 
   // A space that grows is computed on here and not within the frame, where progress would not be
   // shown and the button not heard.
@@ -514,18 +389,15 @@ void pqPalpateTouch::advance()
   }
   if (this->Running == kept)
   {
-    this->show(tick);
-  }
-  if (this->Running == kept)
-  {
-    Q_EMIT this->sampled(
-      1e-3 * session.Time.elapsed(), tick.force.norm(), tick.contact.force.norm());
+    this->show();
   }
 }
 
-void pqPalpateTouch::show(const palpate::Tick& tick)
+void pqPalpateTouch::show()
 {
-  Session& session = *this->Running;
+  Session& session = *this->session();
+  const palpate::Tick& tick = session.Hand.Tick;
+  const pqPalpateMouse* mouse = session.Hand.Mouse.get();
   const palpate::Contact& contact = tick.contact;
   const bool touches = palpate::touches(contact.status);
   const bool presses = contact.status == palpate::ContactStatus::pressing;
@@ -536,8 +408,8 @@ void pqPalpateTouch::show(const palpate::Tick& tick)
   const Vec3 pressed = presses ? contact.anchor : session.Away();
   const bool moved = node != session.Node || branch != session.Branch ||
     displacement != session.Displacement || pressed != session.Pressed;
-  const bool showsFree = !session.Mouse || session.Mouse->ShowsTool();
-  const bool says = session.Mouse && session.Tool->Say(session.Mouse->GetHint());
+  const bool showsFree = !mouse || mouse->ShowsTool();
+  const bool says = mouse && session.Tool->Say(mouse->GetHint());
   if (!moved && !says && touches == session.Touches && showsFree == session.ShowsFree &&
     (!showsFree || tick.position == session.Place))
   {
@@ -580,19 +452,14 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
     figures.State = "closed";
     return figures;
   }
-  Session& session = *this->Running;
-  const palpate::Tick tick = session.Servo->latest();
-  const palpate::Statistics statistics = session.Servo->statistics();
-  const std::string_view state = palpate::to_string(tick.state);
-  figures.State = QString::fromUtf8(state.data(), static_cast<int>(state.size()));
+  Session& session = *this->session();
+  palpate::Servo& servo = *session.Hand.Servo;
+  const palpate::Tick tick = servo.latest();
+  const palpate::Statistics statistics = servo.statistics();
+  takePace(session, statistics, figures);
+  figures.Number = statistics.ticks;
+  figures.State = words(palpate::to_string(tick.state));
   figures.Contact = Words(tick.contact.status);
-  figures.Rate = statistics.rate();
-  figures.FrameRate = session.BodyView->GetFrameRate();
-  figures.Lateness[0] = Microseconds(statistics.lateness.median);
-  figures.Lateness[1] = Microseconds(statistics.lateness.p99);
-  figures.Lateness[2] = Microseconds(statistics.lateness.largest);
-  figures.Ticks = statistics.ticks;
-  figures.Missed = statistics.missed;
   figures.Force = tick.force.norm();
   figures.BodyForce = tick.contact.force.norm();
   figures.Depth = session.Depth(tick.contact);
@@ -611,17 +478,12 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
     figures.DepthLeft = palpate::depth_left(
       *session.Body->force_on_tool(), tick.contact.anchor, push, 2 * session.Deepest);
   }
-  if (session.Recording)
-  {
-    figures.Recorded = session.Recording->GetWritten();
-    figures.NotRecorded = session.Recording->GetDropped();
-  }
-  figures.Problem = QString::fromStdString(session.Servo->problem());
+  addRecorded(session.Hand, figures);
+  figures.Problem = QString::fromStdString(servo.problem());
   const std::string_view why = palpate::words_for(tick.tripped);
   if (!why.empty())
   {
-    figures.Problem =
-      "There is no force: " + QString::fromUtf8(why.data(), static_cast<int>(why.size())) +
+    figures.Problem = "There is no force: " + words(why) +
       ". It comes back when that is over and the tool was outside of the body.";
   }
   return figures;
