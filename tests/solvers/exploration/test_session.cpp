@@ -123,8 +123,8 @@ TEST_F(Session, SteeringWhileItRunsChangesNoBit) {
     ExplorationSession* running = nullptr;
     // Each rank steers from within its solves, to another corner each time.
     int num_calls = 0;
-    progress_ = [&](const ProgressState& state) {
-      if (running == nullptr || state.num_solved < 2 || ++num_calls % 7 != 0) return true;
+    progress_ = [&](const ProgressState& /*state*/) {
+      if (running == nullptr || ++num_calls % 7 != 0) return true;
       const int corner = num_calls + world_->rank();
       running->steer(
           towards(options_.half_width * Vec3((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1,
@@ -134,7 +134,7 @@ TEST_F(Session, SteeringWhileItRunsChangesNoBit) {
     const auto session = begin();
     running = session.get();
     EXPECT_EQ(session->run(), State::complete);
-    EXPECT_GT(num_calls, 7);
+    EXPECT_TRUE(any(*world_, num_calls > 7));
     running = nullptr;
     expect_equal(session->finish().space, whole().space);
   }
