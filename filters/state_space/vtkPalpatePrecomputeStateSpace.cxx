@@ -89,6 +89,14 @@ constexpr std::chrono::seconds TimeForWindow(1);
 /// can be estimated from.
 constexpr int CoarsestResolution = 5;
 
+/// Whether an exploration can be kept from one execution to the next: the communicator of a single
+/// rank needs no other rank to end with it.
+bool CanBeKept(const palpate::PrecomputeOptions& options, const palpate::Communicator& communicator)
+{
+  const bool hasBoth = options.contact && !options.active_nodes.empty();
+  return communicator.size() == 1 && !hasBoth;
+}
+
 /// Counts of the configurations that are not as they should be; empty when all are.
 std::string Doubts(const palpate::PrecomputeReport& report)
 {
@@ -148,6 +156,43 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
   add("FloorSeconds", work.floor_seconds());
 }
 }
+
+struct vtkPalpatePrecomputeStateSpace::Growth
+{
+  Growth(palpate::Scene scene, const palpate::PrecomputeOptions& options, std::string of)
+    : Of(std::move(of))
+    , Communicator(palpate::make_serial_communicator())
+    , Session(palpate::begin_exploration(std::make_shared<const palpate::Scene>(std::move(scene)),
+        options, *this->Communicator,
+        [this](const palpate::ProgressState& state) { return this->Tell(state); }))
+  {
+  }
+
+  /// Goes on for an interval, in which something is found however short it is.
+  /// @param tell The progress of this execution.
+  palpate::PrecomputeResult GoOn(double interval, palpate::Progress tell)
+  {
+    this->Tell = std::move(tell);
+    const auto begin = std::chrono::steady_clock::now();
+    std::int64_t numBefore = -1;
+    const auto isDue = [&](const palpate::ProgressState& state)
+    {
+      numBefore = numBefore < 0 ? state.num_solved : numBefore;
+      const std::chrono::duration<double> since = std::chrono::steady_clock::now() - begin;
+      return since.count() >= interval && state.num_solved > numBefore;
+    };
+    const bool isPaused = this->Session->run(isDue) == palpate::ExplorationSession::State::paused;
+    palpate::PrecomputeResult result =
+      isPaused ? this->Session->publish() : this->Session->finish();
+    palpate::combine(result.report, *this->Communicator);
+    return result;
+  }
+
+  std::string Of;
+  palpate::Progress Tell = [](const palpate::ProgressState&) { return true; };
+  std::unique_ptr<palpate::Communicator> Communicator;
+  std::unique_ptr<palpate::ExplorationSession> Session;
+};
 
 vtkStandardNewMacro(vtkPalpatePrecomputeStateSpace);
 
@@ -344,16 +389,35 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
     this->LastOf.clear();
 
-    // Something is found each time, however short the interval.
-    const palpate::Progress progress =
-      [this,
-        tell = vtkPalpateProgress(this, communicator.rank(), this->LogInterval,
-          "Precompute State Space", "configurations")](const palpate::ProgressState& state)
+    const palpate::Progress tell = vtkPalpateProgress(
+      this, communicator.rank(), this->LogInterval, "Precompute State Space", "configurations");
+    palpate::PrecomputeResult result;
+    if (this->UpdateInterval > 0 && CanBeKept(options, communicator))
     {
-      const bool isDue = this->UpdateInterval > 0 && state.seconds >= this->UpdateInterval;
-      return tell(state) && !(isDue && state.num_solved > 0);
-    };
-    palpate::PrecomputeResult result = palpate::precompute(scene, options, communicator, progress);
+      // After an error it is begun anew.
+      std::unique_ptr<Growth> growth = std::move(this->Kept);
+      if (!growth || growth->Of != of || !fileIsThere)
+      {
+        growth.reset();
+        growth = std::make_unique<Growth>(scene, options, of);
+      }
+      result = growth->GoOn(this->UpdateInterval, tell);
+      if (growth->Session->state() == palpate::ExplorationSession::State::paused)
+      {
+        this->Kept = std::move(growth);
+      }
+    }
+    else
+    {
+      this->Kept.reset();
+      // Something is found each time, however short the interval.
+      const palpate::Progress progress = [&](const palpate::ProgressState& state)
+      {
+        const bool isDue = this->UpdateInterval > 0 && state.seconds >= this->UpdateInterval;
+        return tell(state) && !(isDue && state.num_solved > 0);
+      };
+      result = palpate::precompute(scene, options, communicator, progress);
+    }
     const bool grows = this->UpdateInterval > 0 && !result.report.complete &&
       !palpate::any(communicator, this->GetAbortExecute() != 0);
     const auto keep = [&]

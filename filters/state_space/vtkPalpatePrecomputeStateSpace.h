@@ -25,6 +25,7 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -323,6 +324,10 @@ private:
 
   /// When the last execution ended.
   std::chrono::steady_clock::time_point LastEnd;
+
+  /// The exploration of a space that grows, from one execution to the next.
+  struct Growth;
+  std::unique_ptr<Growth> Kept;
 
   /// The last complete result and what it is of: the filter is also run again where a filter before
   /// it was, though it gave the same body, as when another view of that body asks for ghost cells.
