@@ -9,6 +9,7 @@
 #include "base/own_seconds.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/tangent_solver.h"
+#include "exploration/chunk_record.h"
 #include "exploration/engine.h"
 #include "exploration/monitor.h"
 #include "exploration/plan_spaces.h"
@@ -42,14 +43,17 @@ EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& mon
 
 struct ExplorationSession::Impl {
   Impl(std::shared_ptr<const Scene> asked, const PrecomputeOptions& asked_options,
-       Communicator& all, const Progress& progress, const MakeSolver& make_solver);
+       Communicator& all, const Progress& progress, const MakeSolver& make_solver, TakeChunk take);
 
   PrecomputeResult result_of(TouchSpace space, SteadyClock::time_point begin);
+  /// @note Collective
+  void give_chunks();
 
   std::shared_ptr<const Scene> scene_asked;
   PrecomputeOptions options;
   Communicator& communicator;
   Monitor monitor;
+  TakeChunk take_chunk;
   PrecomputeReport report;
   std::unique_ptr<EquilibriumSolver> solver;
   std::optional<Scene> settled;
@@ -59,6 +63,8 @@ struct ExplorationSession::Impl {
   std::optional<InteractionSolver> state_solver;
   std::vector<PlannedSpace> spaces;
   std::unique_ptr<Record> record;
+  /// The record, if it gives chunks; else null.
+  ChunkRecord* chunks = nullptr;
   std::optional<Engine> engine;
   std::optional<ShellRounds> rounds;
   /// Damaged parts of the file, until they are reported.
@@ -69,11 +75,13 @@ struct ExplorationSession::Impl {
 
 ExplorationSession::Impl::Impl(std::shared_ptr<const Scene> asked,
                                const PrecomputeOptions& asked_options, Communicator& all,
-                               const Progress& progress, const MakeSolver& make_solver)
+                               const Progress& progress, const MakeSolver& make_solver,
+                               TakeChunk take)
     : scene_asked(std::move(asked)),
       options(asked_options),
       communicator(all),
-      monitor(progress, all.network()) {
+      monitor(progress, all.network()),
+      take_chunk(std::move(take)) {
   const SteadyClock::time_point begin = SteadyClock::now();
   std::string solver_name;
   // Check everything that can be wrong before a file is touched.
@@ -104,6 +112,12 @@ ExplorationSession::Impl::Impl(std::shared_ptr<const Scene> asked,
                : make_file_record(options.file, *scene, setups, options.equilibrium.tolerance,
                                   options.keep, options.touch_bound, communicator);
   damaged = record->damaged();
+  if (take_chunk) {
+    auto chunked = std::make_unique<ChunkRecord>(std::move(record), *scene, *tools, setups,
+                                                 options.touch_bound, communicator);
+    chunks = chunked.get();
+    record = std::move(chunked);
+  }
   engine.emplace(spaces, *state_solver, *record, communicator.network(), monitor, report);
   if (options.contact && options.tolerance > 0) {
     rounds.emplace(spaces.front(), *tools->clearance(setups.front().interaction),
@@ -117,23 +131,35 @@ PrecomputeResult ExplorationSession::Impl::result_of(TouchSpace space,
   report.finishing_seconds += seconds_since(begin);
   const auto held = tools->make(spaces.front().setup.interaction)->prescribed_points();
   report.num_unknowns = solver->assembly().pattern().size - 3 * static_cast<Index>(held.size());
+  report.num_cells = scene->mesh.num_cells();
   report.work = solver->work();
   return {std::move(space), scene->settled, report, std::exchange(damaged, {})};
 }
 
 ExplorationSession::ExplorationSession(std::shared_ptr<const Scene> scene,
                                        const PrecomputeOptions& options, Communicator& communicator,
-                                       const Progress& progress, const MakeSolver& make_solver)
-    : impl_(
-          std::make_unique<Impl>(std::move(scene), options, communicator, progress, make_solver)) {}
+                                       const Progress& progress, const MakeSolver& make_solver,
+                                       TakeChunk take_chunk)
+    : impl_(std::make_unique<Impl>(std::move(scene), options, communicator, progress, make_solver,
+                                   std::move(take_chunk))) {}
 
 ExplorationSession::~ExplorationSession() = default;
+
+void ExplorationSession::Impl::give_chunks() {
+  if (chunks == nullptr) return;
+  while (const std::optional<SpaceChunk> chunk = chunks->take()) {
+    agree(communicator, [&] {
+      if (communicator.rank() == 0) take_chunk(*chunk);
+    });
+  }
+}
 
 ExplorationSession::State ExplorationSession::run(const Until& until) {
   Impl& session = *impl_;
   if (session.state == State::complete || session.state == State::aborted) return session.state;
   const SteadyClock::time_point begin = SteadyClock::now();
   if (std::exchange(session.is_published, false)) session.record->resume();
+  session.give_chunks();
   session.monitor.pause_when(until);
   const auto explore = [&] {
     do {
@@ -149,6 +175,7 @@ ExplorationSession::State ExplorationSession::run(const Until& until) {
     return State::complete;
   };
   session.state = explore();
+  session.give_chunks();
   session.report.complete = session.state == State::complete;
   session.report.exploration_seconds += seconds_since(begin);
   return session.state;

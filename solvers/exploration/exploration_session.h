@@ -15,6 +15,7 @@
 #include "exploration/steering.h"
 #include "linear/linear_solver.h"
 #include "schedule/communicator.h"
+#include "fields/space_chunk.h"
 #include "state_space/touch_space.h"
 
 namespace palpate {
@@ -31,6 +32,9 @@ struct PrecomputeResult {
   std::vector<std::string> damaged;
 };
 
+/// Called on rank 0 with each chunk: before and after each run with what is new.
+using TakeChunk = std::function<void(const SpaceChunk&)>;
+
 class ExplorationSession {
  public:
   using MakeSolver = std::function<std::unique_ptr<LinearSolver>()>;
@@ -39,11 +43,12 @@ class ExplorationSession {
   /// the options.
   /// @param communicator The ranks that lead a solve. It must outlive the session.
   /// @param make_solver Makes the solver of this rank; null: a solver without factorisation.
+  /// @param take_chunk The same on all ranks whether it is empty: then no chunks are made.
   /// @throws InputError as precompute() does.
   /// @note Collective
   ExplorationSession(std::shared_ptr<const Scene> scene, const PrecomputeOptions& options,
                      Communicator& communicator, const Progress& progress,
-                     const MakeSolver& make_solver);
+                     const MakeSolver& make_solver, TakeChunk take_chunk = {});
   ~ExplorationSession();
   ExplorationSession(const ExplorationSession&) = delete;
   ExplorationSession& operator=(const ExplorationSession&) = delete;

@@ -146,14 +146,15 @@ PrecomputeOptions resolved(const Scene& scene, const PrecomputeOptions& asked,
 std::unique_ptr<ExplorationSession> begin_exploration(std::shared_ptr<const Scene> scene,
                                                       const PrecomputeOptions& asked,
                                                       Communicator& communicator,
-                                                      const Progress& progress) {
+                                                      const Progress& progress,
+                                                      TakeChunk take_chunk) {
   const PrecomputeOptions options = resolved(*scene, asked, communicator);
   assert(!has_both(options) && options.ranks_per_solve == 1);
   std::unique_ptr<ExplorationSession> session;
   agree(communicator, [&] {
     const auto make_solver = solver_maker(*scene, options);
     session = std::make_unique<ExplorationSession>(std::move(scene), options, communicator,
-                                                   progress, make_solver);
+                                                   progress, make_solver, std::move(take_chunk));
   });
   return session;
 }

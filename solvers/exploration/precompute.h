@@ -20,7 +20,7 @@ namespace palpate {
 /// @note Collective
 [[nodiscard]] std::unique_ptr<ExplorationSession> begin_exploration(
     std::shared_ptr<const Scene> scene, const PrecomputeOptions& options,
-    Communicator& communicator, const Progress& progress);
+    Communicator& communicator, const Progress& progress, TakeChunk take_chunk = {});
 
 /// Computes the space of the rigid tool and of the active nodes that the options name.
 /// @param scene The same on every rank.
@@ -29,6 +29,7 @@ namespace palpate {
 ///   of a space with other settings, see StateSpaceFile::add_tool_space.
 /// @note Collective
 [[nodiscard]] PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
-                                          Communicator& communicator, const Progress& progress);
+                                          Communicator& communicator, const Progress& progress,
+                                          TakeChunk take_chunk = {});
 
 }  // namespace palpate

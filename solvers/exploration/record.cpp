@@ -233,6 +233,12 @@ class FileRecord final : public Record {
     return all;
   }
 
+  [[nodiscard]] std::vector<IntermediateState> known_intermediate_states(
+      ToolSpaceId tool_space) const override {
+    if (communicator_.rank() != 0) return {};
+    return files_.own().read_intermediate_states(tool_space);
+  }
+
   [[nodiscard]] std::vector<std::string> damaged() const override { return files_.damaged(); }
 
   void keep(ToolSpaceId tool_space, const Configuration& found,

@@ -30,6 +30,12 @@ class Record {
 
   /// What earlier runs have found of a tool space; empty on ranks other than 0.
   [[nodiscard]] virtual Known known(ToolSpaceId tool_space) const = 0;
+  /// The intermediate states of a tool space that earlier runs have found; empty on ranks other
+  /// than 0.
+  [[nodiscard]] virtual std::vector<IntermediateState> known_intermediate_states(
+      ToolSpaceId /*tool_space*/) const {
+    return {};
+  }
   /// Damaged parts of what earlier runs have left, see StateSpaceFile::left_out(); empty on ranks
   /// other than 0.
   [[nodiscard]] virtual std::vector<std::string> damaged() const = 0;

@@ -11,14 +11,18 @@ namespace palpate {
 void add_clearance(const Scene& scene, TouchToolSpace& tool_space) {
   const InteractionSpec& interaction = tool_space.setup.interaction;
   if (!interaction.is_contact()) return;
-  const std::shared_ptr<const ToolClearance> clearance =
-      InteractionFactory(scene).clearance(interaction);
+  add_clearance(InteractionFactory(scene).clearance(interaction), tool_space);
+}
+
+void add_clearance(std::shared_ptr<const ToolClearance> clearance, TouchToolSpace& tool_space) {
   for (ConfigurationSummary& found : tool_space.configurations) {
     if (found.usable() && found.force.isZero(0) && clearance->is_inside(found.t)) {
       found.outcome = Outcome::tool_inside;
     }
   }
-  tool_space.clearance = [clearance](const Vec3& q) { return clearance->clearance(q); };
+  tool_space.clearance = [clearance = std::move(clearance)](const Vec3& q) {
+    return clearance->clearance(q);
+  };
 }
 
 const TouchToolSpace* TouchSpace::find(ToolSpaceId id) const {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@
 #include "state_space/surface.h"
 
 namespace palpate {
+
+class ToolClearance;
 
 /// How far the tool at coordinates q [3], m, may be moved in any direction without touching the
 /// body at rest, at the least, m; not positive: it may touch it there. Empty: it always acts.
@@ -40,6 +43,8 @@ struct TouchToolSpace {
 /// versions took it for converged; here its outcome becomes Outcome::tool_inside.
 /// @throws InputError a tool that is none, see make_contact() and ToolClearance.
 void add_clearance(const Scene& scene, TouchToolSpace& tool_space);
+/// The same with the clearance of the rigid tool.
+void add_clearance(std::shared_ptr<const ToolClearance> clearance, TouchToolSpace& tool_space);
 
 struct TouchSpace {
   std::string scene_hash;

@@ -40,7 +40,8 @@ class Session : public testing::Test {
   }
 
   [[nodiscard]] std::unique_ptr<ExplorationSession> begin() {
-    return begin_exploration(std::make_shared<Scene>(block_.scene), options_, *world_, progress_);
+    return begin_exploration(std::make_shared<Scene>(block_.scene), options_, *world_, progress_,
+                             take_chunk_);
   }
   /// The space of a run in one go.
   [[nodiscard]] PrecomputeResult whole() const {
@@ -68,6 +69,24 @@ class Session : public testing::Test {
   test::Block block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear});
   PrecomputeOptions options_;
   Progress progress_;
+  TakeChunk take_chunk_;
+  /// On rank 0: what chunks have made.
+  TouchSpace taken_ = make_empty_touch_space(block_.scene, hash(block_.scene));
+  std::int64_t num_chunks_ = 0;
+
+  void take_chunks() {
+    take_chunk_ = [this](const SpaceChunk& chunk) {
+      EXPECT_EQ(chunk.number, ++num_chunks_);
+      take(chunk, taken_);
+    };
+  }
+
+  /// The displacements of the surface are the same within the bound of the modes.
+  void expect_same_displacements(const TouchToolSpace& a, const TouchToolSpace& b) const {
+    const double most = 2 * options_.touch_bound * options_.half_width;
+    const Eigen::MatrixXf difference = a.modes * a.coefficients - b.modes * b.coefficients;
+    EXPECT_LE(difference.cwiseAbs().maxCoeff(), most);
+  }
 };
 
 TEST_F(Session, PausesGiveTheSpaceOfOneRunToTheBit) {
@@ -187,6 +206,43 @@ TEST_F(Session, ALaterRunFindsWhatWasWithdrawn) {
   EXPECT_EQ(rest.report.num_solved, 50);
   EXPECT_TRUE(rest.report.complete);
   expect_equal(rest.space, whole().space);
+}
+
+TEST_F(Session, ChunksMakeTheSpace) {
+  options_.intermediate_states = 1;
+  take_chunks();
+  const auto session = begin();
+  while (session->run(after(10)) == State::paused) {
+  }
+  PrecomputeResult result = session->finish();
+  if (world_->rank() != 0) return;
+  EXPECT_GT(num_chunks_, 3);
+  ASSERT_EQ(taken_.tool_spaces.size(), 1u);
+  expect_same_displacements(taken_.tool_spaces[0], result.space.tool_spaces[0]);
+  // Modes that were found one after the other are not those of all at once.
+  TouchToolSpace& whole = result.space.tool_spaces[0];
+  whole.modes = taken_.tool_spaces[0].modes;
+  whole.coefficients = taken_.tool_spaces[0].coefficients;
+  whole.coefficient_gradients = taken_.tool_spaces[0].coefficient_gradients;
+  expect_equal(taken_, result.space);
+}
+
+TEST_F(Session, ChunksMakeTheSpaceOfARigidToolToTheBit) {
+  press_with_a_sphere();
+  options_.file = folder_ / "a.palpate";
+  {
+    const auto session = begin();
+    EXPECT_EQ(session->run(after(10)), State::paused);
+    (void)session->finish();
+  }
+  // What an earlier run has found comes first.
+  take_chunks();
+  const auto session = begin();
+  while (session->run(after(10)) == State::paused) (void)session->publish();
+  const TouchSpace whole = session->finish().space;
+  if (world_->rank() != 0) return;
+  expect_equal(taken_, whole);
+  EXPECT_TRUE(taken_.tool_spaces[0].clearance);
 }
 
 TEST(Steering, TheBoxesOutsideOfOneCoverAllOthersOnce) {

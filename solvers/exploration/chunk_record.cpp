@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/chunk_record.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "exploration/transfer.h"
+#include "interaction/tool_clearance.h"
+#include "state_space/surface.h"
+
+namespace palpate {
+
+ChunkRecord::ChunkRecord(std::unique_ptr<Record> record, const Scene& scene,
+                         InteractionFactory& tools, const std::vector<ToolSpaceSetup>& setups,
+                         double bound, Communicator& communicator)
+    : record_(std::move(record)),
+      scene_(scene),
+      tools_(tools),
+      setups_(setups),
+      bound_(bound),
+      communicator_(communicator),
+      points_(make_surface(scene.mesh).mesh_points) {}
+
+void ChunkRecord::keep(ToolSpaceId tool_space, const Configuration& found,
+                       const std::vector<IntermediateState>& way) {
+  record_->keep(tool_space, found, way);
+  if (found.level >= 0) found_.push_back({tool_space, found, way, {}});
+}
+
+void ChunkRecord::keep(ToolSpaceId tool_space, const LevelTransition& transition) {
+  record_->keep(tool_space, transition);
+  transitions_.emplace_back(tool_space, transition);
+}
+
+void ChunkRecord::settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate,
+                         std::int32_t level) {
+  record_->settle(tool_space, candidate, level);
+  if (level < 0) return;
+  found_.push_back({tool_space, candidate, {}, {}});
+  found_.back().summary.level = level;
+}
+
+/// Notes what earlier runs have found. On ranks other than 0 it is nothing.
+void ChunkRecord::note_known() {
+  for (const ToolSpaceSetup& setup : setups_) {
+    const Known known = record_->known(setup.id);
+    std::map<CheckPoint, std::vector<IntermediateState>> ways;
+    for (const IntermediateState& state : record_->known_intermediate_states(setup.id)) {
+      ways[state.target].push_back(state);
+    }
+    for (ConfigurationSummary c : known.configurations) {
+      if (c.level < 0) continue;
+      c.reached = ConfigurationSummary().reached;
+      const auto way = c.level == 0 ? ways.find(c.check_point) : ways.end();
+      found_.push_back({setup.id, c, way == ways.end() ? decltype(Found::way)() : way->second, {}});
+    }
+    for (const LevelTransition& t : known.transitions) transitions_.emplace_back(setup.id, t);
+  }
+}
+
+std::vector<ChunkRecord::Found> ChunkRecord::next() {
+  std::vector<Found> next;
+  const std::size_t number = std::min(found_.size(), kMostInChunk);
+  for (std::size_t i = 0; i < number; ++i) {
+    Found& found = next.emplace_back(std::move(found_.front()));
+    found_.pop_front();
+    const auto setup = std::find_if(setups_.begin(), setups_.end(), [&](const ToolSpaceSetup& s) {
+      return s.id == found.tool_space;
+    });
+    if (setup->interaction.is_contact() || !found.summary.usable()) continue;
+    Configuration whole = record_->load(found.tool_space, found.summary);
+    count_from_rest(scene_.settled, whole);
+    found.fields = Snapshots(static_cast<Eigen::Index>(points_.size()), 0, 1);
+    found.fields.set(0, whole, points_, setup->grid.field_step());
+  }
+  return next;
+}
+
+std::optional<SpaceChunk> ChunkRecord::take() {
+  Packer mine;
+  bool is_all = false;
+  agree(communicator_, [&] {
+    if (!std::exchange(has_noted_known_, true)) note_known();
+    mine.put_list(next());
+    is_all = found_.empty();
+  });
+  // What transitions connect comes before them.
+  if (any(communicator_, !is_all)) {
+    mine.put_list(std::vector<std::pair<ToolSpaceId, LevelTransition>>());
+  } else {
+    mine.put_list(std::exchange(transitions_, {}));
+  }
+  std::optional<SpaceChunk> chunk;
+  const std::vector<Bytes> all = communicator_.gather(mine.take());
+  bool is_empty = true;
+  agree(communicator_, [&] {
+    if (communicator_.rank() != 0) return;
+    std::map<ToolSpaceId, std::vector<Found>> found;
+    std::map<ToolSpaceId, std::vector<LevelTransition>> transitions;
+    for (const Bytes& bytes : all) {
+      Unpacker content(bytes);
+      for (Found& one : content.take_list<std::vector<Found>>()) {
+        found[one.tool_space].push_back(std::move(one));
+      }
+      for (const auto& [id, t] :
+           content.take_list<std::vector<std::pair<ToolSpaceId, LevelTransition>>>()) {
+        transitions[id].push_back(t);
+      }
+    }
+    is_empty = found.empty() && transitions.empty();
+    if (is_empty) return;
+    chunk.emplace();
+    chunk->number = ++num_chunks_;
+    for (const ToolSpaceSetup& setup : setups_) {
+      if (found.count(setup.id) == 0 && transitions.count(setup.id) == 0) continue;
+      chunk->tool_spaces.push_back(chunk_of(setup, std::move(found[setup.id])));
+      chunk->tool_spaces.back().transitions = std::move(transitions[setup.id]);
+    }
+  });
+  if (any(communicator_, !is_empty) && !chunk) chunk.emplace();
+  return chunk;
+}
+
+ToolSpaceChunk ChunkRecord::chunk_of(const ToolSpaceSetup& setup, std::vector<Found> found) {
+  ToolSpaceChunk chunk;
+  chunk.setup = setup;
+  std::sort(found.begin(), found.end(),
+            [](const Found& a, const Found& b) { return a.summary < b.summary; });
+  TouchToolSpace marked;
+  marked.setup = setup;
+  for (const Found& one : found) {
+    marked.configurations.push_back(one.summary);
+    chunk.intermediate_states.insert(chunk.intermediate_states.end(), one.way.begin(),
+                                     one.way.end());
+  }
+  if (setup.interaction.is_contact()) {
+    add_clearance(tools_.clearance(setup.interaction), marked);
+    chunk.clearance = std::move(marked.clearance);
+  } else {
+    reduce(found, setup.grid.field_step(), modes_[setup.id], chunk);
+  }
+  chunk.configurations = std::move(marked.configurations);
+  std::sort(chunk.intermediate_states.begin(), chunk.intermediate_states.end());
+  return chunk;
+}
+
+void ChunkRecord::reduce(const std::vector<Found>& found, double step, Modes& modes,
+                         ToolSpaceChunk& chunk) {
+  const auto num_points = static_cast<Eigen::Index>(points_.size());
+  const auto has_fields = [](const Found& one) { return one.fields.u.cols() > 0; };
+  const auto number =
+      static_cast<Eigen::Index>(std::count_if(found.begin(), found.end(), has_fields));
+  chunk.fields.resize(found.size());
+  if (number == 0) return;
+  Snapshots batch(num_points, 0, number);
+  Eigen::Index at = 0;
+  for (const Found& one : found) {
+    if (has_fields(one)) batch.set(at++, one.fields, 0);
+  }
+  modes.scale.take(batch);
+  const Eigen::Index before = modes.basis.modes.cols();
+  FieldReducer reducer(num_points, 0, modes.scale, step, bound_,
+                       before > 0 ? &modes.basis : nullptr);
+  reducer.add(batch);
+  Reduction reduction = reducer.finish();
+  at = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (!has_fields(found[i])) continue;
+    chunk.fields[i] = std::move(reduction.fields[static_cast<std::size_t>(at++)]);
+  }
+  modes.basis = std::move(reduction.basis);
+  chunk.modes = modes.basis.modes.rightCols(modes.basis.modes.cols() - before);
+  chunk.largest_displacement = modes.basis.largest_displacement;
+  chunk.displacement_error = modes.basis.displacement_error;
+  chunk.sensitivity_error = modes.basis.sensitivity_error;
+}
+
+}  // namespace palpate

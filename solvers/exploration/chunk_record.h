@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A record that also notes what it keeps, so that it can be given out in chunks while the
+// exploration goes on. Only what is new travels to rank 0.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "exploration/record.h"
+#include "interaction/interaction_spec.h"
+#include "fields/space_chunk.h"
+
+namespace palpate {
+
+class ChunkRecord final : public Record {
+ public:
+  /// @param record Keeps the results.
+  /// @param setups The tool spaces, ordered by their numbers.
+  /// @param scene, tools, communicator They must outlive this object.
+  ChunkRecord(std::unique_ptr<Record> record, const Scene& scene, InteractionFactory& tools,
+              const std::vector<ToolSpaceSetup>& setups, double bound, Communicator& communicator);
+
+  /// The largest number of configurations of one rank in a chunk.
+  static constexpr std::size_t kMostInChunk = 256;
+
+  /// What was found since the last chunk, and before the first one by earlier runs; if it is very
+  /// much, a part of it. Call this between runs, before publish() and finish().
+  /// @returns The chunk on rank 0, an empty one elsewhere; nothing: there is nothing new.
+  /// @note Collective
+  [[nodiscard]] std::optional<SpaceChunk> take();
+
+  [[nodiscard]] Known known(ToolSpaceId tool_space) const override {
+    return record_->known(tool_space);
+  }
+  [[nodiscard]] std::vector<IntermediateState> known_intermediate_states(
+      ToolSpaceId tool_space) const override {
+    return record_->known_intermediate_states(tool_space);
+  }
+  [[nodiscard]] std::vector<std::string> damaged() const override { return record_->damaged(); }
+  void keep(ToolSpaceId tool_space, const Configuration& found,
+            const std::vector<IntermediateState>& way) override;
+  void keep(ToolSpaceId tool_space, const LevelTransition& transition) override;
+  void settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate,
+              std::int32_t level) override;
+  [[nodiscard]] Configuration load(ToolSpaceId tool_space,
+                                   const ConfigurationSummary& summary) const override {
+    return record_->load(tool_space, summary);
+  }
+  [[nodiscard]] Keep kept(ToolSpaceId tool_space,
+                          const ConfigurationSummary& summary) const override {
+    return record_->kept(tool_space, summary);
+  }
+  [[nodiscard]] TouchSpace publish(double bound) override { return record_->publish(bound); }
+  void resume() override { record_->resume(); }
+  [[nodiscard]] bool has_moved() const override { return record_->has_moved(); }
+  [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
+    return record_->finish(complete, bound);
+  }
+
+ private:
+  /// A configuration that was found, as a rank tells it to rank 0.
+  struct Found {
+    ToolSpaceId tool_space = 0;
+    ConfigurationSummary summary;
+    std::vector<IntermediateState> way;
+    /// The fields at the surface, from the body at rest; without columns: there are none.
+    Snapshots fields;
+  };
+  template <class Visit>
+  friend void for_each_part(Found& found, Visit&& visit) {
+    visit(found.tool_space);
+    visit(found.summary);
+    visit(found.way);
+    visit(found.fields);
+  }
+  /// The modes of a tool space so far, on rank 0.
+  struct Modes {
+    FieldBasis basis;
+    FieldScale scale;
+  };
+
+  void note_known();
+  /// The next configurations of this rank, with their fields.
+  [[nodiscard]] std::vector<Found> next();
+  /// Makes the chunk of a tool space, on rank 0.
+  [[nodiscard]] ToolSpaceChunk chunk_of(const ToolSpaceSetup& setup, std::vector<Found> found);
+  void reduce(const std::vector<Found>& found, double step, Modes& modes, ToolSpaceChunk& chunk);
+
+  std::unique_ptr<Record> record_;
+  const Scene& scene_;
+  InteractionFactory& tools_;
+  std::vector<ToolSpaceSetup> setups_;
+  double bound_;
+  Communicator& communicator_;
+  /// The points of the mesh at the surface.
+  std::vector<Index> points_;
+  bool has_noted_known_ = false;
+  /// Not given out yet.
+  std::deque<Found> found_;
+  std::vector<std::pair<ToolSpaceId, LevelTransition>> transitions_;
+  std::int64_t num_chunks_ = 0;
+  std::map<ToolSpaceId, Modes> modes_;
+};
+
+}  // namespace palpate

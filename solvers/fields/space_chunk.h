@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What an exploration has found since the last chunk, for whoever touches the space while it grows.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "fields/reduced_fields.h"
+#include "state_space/tool_space.h"
+#include "state_space/touch_space.h"
+
+namespace palpate {
+
+struct ToolSpaceChunk {
+  ToolSpaceSetup setup;
+  Clearance clearance;
+  /// In the order of operator<. One that is known already replaces it.
+  std::vector<ConfigurationSummary> configurations;
+  /// In the order of operator<.
+  std::vector<IntermediateState> intermediate_states;
+  /// The transitions between levels. All that they connect is in this chunk or in an earlier one.
+  std::vector<LevelTransition> transitions;
+  /// Modes that are added to those of earlier chunks [3 × surface points, added], and what they
+  /// are good for: see TouchSpace.
+  Eigen::MatrixXf modes;
+  double largest_displacement = 0;
+  double displacement_error = 0;
+  double sensitivity_error = 0;
+  /// The fields of each configuration by the modes of all chunks up to this; one of a rigid tool,
+  /// or that is not usable, has none.
+  std::vector<ReducedFields> fields;
+};
+
+struct SpaceChunk {
+  /// The chunks of an exploration are numbered from 1, and are to be taken in their order.
+  std::int64_t number = 0;
+  /// Those tool spaces of which something was found, in the order of their numbers.
+  std::vector<ToolSpaceChunk> tool_spaces;
+};
+
+/// Adds what a chunk has to a space that has taken all earlier ones: the space is then the one that
+/// is made of all of it at once.
+void take(const SpaceChunk& chunk, TouchSpace& space);
+
+}  // namespace palpate
