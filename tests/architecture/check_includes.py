@@ -137,16 +137,38 @@ def filter_units():
     }
 
 
+# The folders of plugin/PalpateInteractor in order, each with what it may include besides those
+# before it.
+INTERACTOR_FOLDERS = {
+    "common": {"filters"},
+    "mouse": {"filters", "haptic"},
+    "view": {"filters", "haptic"},
+    "touch": {"filters", "haptic"},
+    "widgets": {"filters"},
+    "dock": {"filters", "haptic"},
+}
+
+
+def interactor_units():
+    place = "plugin/PalpateInteractor"
+    wrapped = {"common": {"X11"}}  # the keys that are pressed while no window hears them
+    folders = list(INTERACTOR_FOLDERS)
+    return {
+        f"{place}/{folder}": Unit({"std", "VTK", "ParaView", "Qt"} | wrapped.get(folder, set()),
+                                  {f"{place}/{earlier}" for earlier in folders[:index]}
+                                  | INTERACTOR_FOLDERS[folder])
+        for index, folder in enumerate(folders)
+    }
+
+
 # The longest folder that matches counts.
-UNITS = solver_units() | haptic_units() | filter_units() | {
+UNITS = solver_units() | haptic_units() | filter_units() | interactor_units() | {
     # What the programs that a filter starts share.
     "filters/programs/program": Unit({"std", "POSIX"}),
     "filters/programs/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"},
                                     {"filters/programs/program"}),
     "filters/programs/image": Unit({"std", "POSIX", "ITK", "zlib"}, {"filters/programs/program"}),
     "plugin/Palpate": Unit({"std", "VTK", "ParaView"}, {"filters"}),
-    "plugin/PalpateInteractor": Unit({"std", "VTK", "ParaView", "Qt", "X11"},
-                                     {"filters", "haptic"}),
     # What somebody else's program would be.
     "examples": Unit({"std", "Eigen"}, {"haptic", "solvers/base", "solvers/state_space",
                                         "solvers/interpolation", "solvers/storage"}),
@@ -191,8 +213,9 @@ def folder_of(root, path):
 
 @functools.lru_cache(maxsize=None)
 def folders_of_bare_names(root):
-    """Where the headers are that VTK's habit includes by their name alone: it is there once."""
-    return [root / "filters" / room for room in FILTER_ROOMS]
+    """Where the headers are that VTK's and Qt's habit includes by their names alone."""
+    return [*(root / "filters" / room for room in FILTER_ROOMS),
+            *(root / "plugin/PalpateInteractor" / folder for folder in INTERACTOR_FOLDERS)]
 
 
 def header_of(root, source, name):

@@ -18,6 +18,8 @@ HEADERS = [
     "filters/programs/tetgen/stream.h", "solvers/reduced/reduced_body.h",
     "solvers/reduction/nnls.h", "haptic/simulating/coupled_tool.h",
     "filters/programs/program/limit.h",
+    "plugin/PalpateInteractor/common/pqPalpateFetch.h",
+    "plugin/PalpateInteractor/touch/pqPalpateTouch.h",
 ]
 
 # The rooms that they name, of those that the cases have files in.
@@ -72,6 +74,10 @@ class AllowedTest(unittest.TestCase):
         self.check("filters/surface/a.cxx", '"vtkPalpateGuard.h"', '"mesh/tet_mesh.h"',
                    "<vtkMPI.h>", '"vtkPolyData.h"', '"PalpateSurfaceModule.h"', "<vtkSMPTools.h>",
                    "<spawn.h>")
+
+    def test_dock(self):
+        self.check("plugin/PalpateInteractor/dock/a.cxx", '"pqPalpateTouch.h"', "<QWidget>",
+                   '"pqPalpateFetch.h"', '"vtkPalpateScene.h"', '"haptic/servo/servo.h"')
 
     def test_examples(self):
         self.check("examples/a/a.cpp", '"haptic/servo/servo.h"',
@@ -153,6 +159,15 @@ class ForbiddenTest(unittest.TestCase):
     def test_itk_is_in_its_program_alone(self):
         self.check("filters/segmentation/a.cxx", "<itkImage.h>",
                    "itkImage.h: filters/segmentation may not include ITK")
+
+    def test_folders_of_the_dock_see_only_those_before(self):
+        place = "plugin/PalpateInteractor"
+        self.check(f"{place}/mouse/a.cxx", '"pqPalpateTouch.h"',
+                   f"pqPalpateTouch.h: {place}/mouse may not include {place}/touch")
+        self.check(f"{place}/widgets/a.cxx", '"haptic/servo/servo.h"',
+                   f"haptic/servo/servo.h: {place}/widgets may not include haptic/servo")
+        self.check(f"{place}/dock/a.cxx", "<X11/Xlib.h>",
+                   f"X11/Xlib.h: {place}/dock may not include X11")
 
     def test_tetgen_program_stands_alone(self):
         self.check("filters/programs/tetgen/main.cpp", '"base/error.h"',

@@ -65,7 +65,7 @@ constexpr double ToolOpacity = 0.35;
 double VeilColour[3] = { 0.8, 0.8, 0.8 };
 constexpr double VeilOpacity = 0.75;
 /// The part of a colour that does not depend on the light.
-constexpr double Brightness = 0.3;
+constexpr double AmbientShare = 0.3;
 
 /// Sets dark letters on a light box with an edge, which are legible on each background.
 void SetStyle(vtkTextActor* text, int size)
@@ -210,7 +210,7 @@ void pqPalpateToolView::MakeActors(vtkSMRenderViewProxy* view)
   arrow->SetShaftResolution(16);
   SetMapper(this->Arrow, arrow->GetOutputPort(), ToFront);
   this->Arrow->GetProperty()->SetColor(ForceColour);
-  this->Arrow->GetProperty()->SetAmbient(Brightness);
+  this->Arrow->GetProperty()->SetAmbient(AmbientShare);
 
   if (auto* client = vtkPVRenderView::SafeDownCast(view->GetClientSideObject()))
   {
@@ -289,7 +289,7 @@ void pqPalpateToolView::MakeVeil(
   SetPolyData(this->Veil, veil, BeforeBody);
   this->Veil->GetProperty()->SetColor(VeilColour);
   this->Veil->GetProperty()->SetOpacity(VeilOpacity);
-  this->Veil->GetProperty()->SetAmbient(Brightness);
+  this->Veil->GetProperty()->SetAmbient(AmbientShare);
   this->Veil->SetVisibility(!veiled.empty());
 }
 

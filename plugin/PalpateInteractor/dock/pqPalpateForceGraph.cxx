@@ -22,7 +22,7 @@ constexpr double Seconds = 10;
 /// no more of them.
 constexpr double RedrawInterval = 0.2; // s
 constexpr vtkIdType MostSamples = 1024;
-constexpr int FontSize = 10;
+constexpr int GraphFontSize = 10;
 }
 
 pqPalpateForceGraph::pqPalpateForceGraph(QWidget* parent)
@@ -49,13 +49,13 @@ pqPalpateForceGraph::pqPalpateForceGraph(QWidget* parent)
     line->SetWidth(1.5);
   }
   this->Chart->SetShowLegend(true);
-  this->Chart->GetLegend()->GetLabelProperties()->SetFontSize(FontSize);
+  this->Chart->GetLegend()->GetLabelProperties()->SetFontSize(GraphFontSize);
   for (const auto& [axis, title] :
     { std::pair(vtkAxis::LEFT, "Force (N)"), std::pair(vtkAxis::BOTTOM, "Time (s)") })
   {
     this->Chart->GetAxis(axis)->SetTitle(title);
-    this->Chart->GetAxis(axis)->GetTitleProperties()->SetFontSize(FontSize);
-    this->Chart->GetAxis(axis)->GetLabelProperties()->SetFontSize(FontSize);
+    this->Chart->GetAxis(axis)->GetTitleProperties()->SetFontSize(GraphFontSize);
+    this->Chart->GetAxis(axis)->GetLabelProperties()->SetFontSize(GraphFontSize);
   }
   this->clear();
 }

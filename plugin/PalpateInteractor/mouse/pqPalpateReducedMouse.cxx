@@ -5,13 +5,6 @@
 
 using palpate::Vec3;
 
-namespace
-{
-/// The largest distance from the tool at which a press takes hold of it, as a share of the body's
-/// diagonal.
-constexpr double Reach = 0.1;
-}
-
 pqPalpateReducedMouse::pqPalpateReducedMouse(vtkSMRenderViewProxy* view,
   const palpate::Surface& surface, const Vec3& place, std::shared_ptr<palpate::MouseMotion> motion)
   : pqPalpateMouse(view, surface, std::move(motion))

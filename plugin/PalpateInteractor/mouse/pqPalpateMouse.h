@@ -90,6 +90,10 @@ protected:
   /// Puts the point to a place by moving the workspace: in the board's axes the point stands still.
   void PutTo(const palpate::Vec3& place) { this->Centre = place - this->Target; }
 
+  /// The largest distance from an active node at which a press takes hold of it, as a share of the
+  /// body's diagonal.
+  static constexpr double Reach = 0.1;
+
   vtkWeakPointer<vtkRenderWindowInteractor> Interactor;
   vtkWeakPointer<vtkRenderer> Renderer;
   /// The body's diagonal, m.

@@ -10,10 +10,9 @@ using palpate::Vec3;
 namespace
 {
 /// Shares of the body's diagonal: how far outside of the body the tool waits; how far it goes in
-/// before the mouse has moved; how far from an active node a press still takes hold of it.
+/// before the mouse has moved.
 constexpr double Clearance = 0.02;
 constexpr double Overshoot = 0.002;
-constexpr double Reach = 0.1;
 /// A drag ends at this share of the half-width, so that it stays within the space however the board
 /// rounds.
 constexpr double Within = 0.999;
