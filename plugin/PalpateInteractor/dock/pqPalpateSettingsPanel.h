@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The settings of touching that a person may change while it runs.
+#pragma once
+
+#include <QObject>
+
+#include "pqPalpateRun.h"
+
+class QCheckBox;
+class QDoubleSpinBox;
+class QFormLayout;
+
+class pqPalpateSettingsPanel : public QObject
+{
+  Q_OBJECT
+public:
+  pqPalpateSettingsPanel(QFormLayout* form, QObject* parent);
+
+  pqPalpateRun::Settings settings() const;
+
+  /// What is touched, and with which devices.
+  struct Situation
+  {
+    bool IsReduced = false;
+    bool IsRigid = false; ///< a state space with a rigid tool
+    bool HasButton = false;
+    bool HasRealDevice = false;
+    bool IsTouching = false;
+  };
+  /// Disables the settings that have no meaning now.
+  void enable(const Situation& situation);
+
+Q_SIGNALS:
+  void changed();
+
+private:
+  QDoubleSpinBox* WorkspaceScale = nullptr;
+  QCheckBox* FollowsCamera = nullptr;
+  QDoubleSpinBox* ForceScale = nullptr;
+  QDoubleSpinBox* ForceLimit = nullptr;
+  QCheckBox* Bonded = nullptr;
+  QDoubleSpinBox* ReleaseForce = nullptr;
+  QDoubleSpinBox* Friction = nullptr;
+  QCheckBox* Grasps = nullptr;
+  QCheckBox* NeedsButton = nullptr;
+  QCheckBox* InTissue = nullptr;
+  Situation Present;
+};
