@@ -147,57 +147,6 @@ Index place_in(const std::vector<Index>& list, Index value) {
   return static_cast<Index>(std::lower_bound(list.begin(), list.end(), value) - list.begin());
 }
 
-/// The couplings in the lower triangle, by numbers of nodes and of pressure unknowns.
-struct Couplings {
-  /// For each node the nodes with numbers ≥ its own, ascending.
-  std::vector<std::vector<Index>> nodes;
-  /// For each node the pressures, ascending.
-  std::vector<std::vector<Index>> pressures_of_node;
-  /// For each pressure the pressures with numbers ≥ its own, ascending.
-  std::vector<std::vector<Index>> pressures;
-
-  [[nodiscard]] Index column_length(Index node) const {
-    return static_cast<Index>(3 * nodes[node].size() + pressures_of_node[node].size());
-  }
-};
-
-SymmetricPattern make_pattern(const Couplings& couplings) {
-  SymmetricPattern pattern;
-  const auto num_nodes = static_cast<Index>(couplings.nodes.size());
-  pattern.size = 3 * num_nodes + static_cast<Index>(couplings.pressures.size());
-  std::int64_t num_values = 0;
-  for (Index node = 0; node < num_nodes; ++node) {
-    num_values += 3 * static_cast<std::int64_t>(couplings.column_length(node)) - 3;
-  }
-  for (const auto& list : couplings.pressures) num_values += static_cast<std::int64_t>(list.size());
-  if (num_values > std::numeric_limits<Index>::max()) {
-    throw InputError("The tangent of this body would have " + std::to_string(num_values) +
-                     " values; at most 2147483647 can be stored. Use a coarser mesh.");
-  }
-  pattern.column_start.reserve(pattern.size + 1);
-  pattern.row.reserve(num_values);
-  const auto end_column = [&] {
-    pattern.column_start.push_back(static_cast<Index>(pattern.row.size()));
-  };
-  end_column();
-  for (Index node = 0; node < num_nodes; ++node) {
-    for (int c = 0; c < 3; ++c) {
-      for (Index other : couplings.nodes[node]) {
-        for (int r = other == node ? c : 0; r < 3; ++r) pattern.row.push_back(3 * other + r);
-      }
-      for (Index pressure : couplings.pressures_of_node[node]) {
-        pattern.row.push_back(3 * num_nodes + pressure);
-      }
-      end_column();
-    }
-  }
-  for (const auto& list : couplings.pressures) {
-    for (Index other : list) pattern.row.push_back(3 * num_nodes + other);
-    end_column();
-  }
-  return pattern;
-}
-
 }  // namespace
 
 struct Assembly::Data {

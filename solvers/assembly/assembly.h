@@ -12,27 +12,18 @@
 //
 // Unknowns are the components of the points that belong to a cell and are not fixed, three for each
 // point, followed by the pressures. K is symmetric: its lower triangle is stored, compressed by
-// columns, on a pattern that never changes.
+// columns, on the pattern of the pairs of points that share a cell. Other parts of the energy may
+// couple more points; the system that they make with the body has a pattern of its own
+// (equilibrium/system_pattern.h).
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "assembly/scene.h"
+#include "assembly/symmetric_pattern.h"
 
 namespace palpate {
-
-/// The lower triangle of a symmetric matrix, compressed by columns. Rows ascend in each column, and
-/// the diagonal is always stored.
-struct SymmetricPattern {
-  Index size = 0;
-  /// Where each column begins in `row` [size + 1].
-  std::vector<Index> column_start;
-  /// The row of each value [column_start.back()].
-  std::vector<Index> row;
-
-  [[nodiscard]] Index num_values() const { return column_start.empty() ? 0 : column_start.back(); }
-};
 
 /// Symmetric tensors at the quadrature points of all cells, in the layout of the kernels: a list
 /// for each group of elements [packets × points × 6 × 8], see ElementGroupView in

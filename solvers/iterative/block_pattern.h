@@ -12,7 +12,7 @@
 
 #include <vector>
 
-#include "assembly/assembly.h"
+#include "assembly/symmetric_pattern.h"
 #include "iterative/triangle_parts.h"
 
 namespace palpate {

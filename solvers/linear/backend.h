@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "assembly/assembly.h"
+#include "assembly/symmetric_pattern.h"
 
 namespace palpate {
 

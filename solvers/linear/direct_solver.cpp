@@ -17,6 +17,7 @@ constexpr double kLostDigits = 0.15;
 
 void DirectSolver::analyse(const SymmetricPattern& pattern) {
   pattern_ = std::make_shared<const SymmetricPattern>(pattern);
+  single_.reset();
   if (pattern.size > 0) backend_->analyse(pattern_);
 }
 

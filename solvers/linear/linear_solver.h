@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "assembly/assembly.h"
+#include "assembly/symmetric_pattern.h"
 
 namespace palpate {
 
@@ -48,6 +48,7 @@ class LinearSolver {
   [[nodiscard]] virtual bool pivots() const = 0;
 
   /// Orders the unknowns and factorises symbolically. The pattern is copied if it is needed later.
+  /// Another pattern takes the place of the one before, with its factor.
   /// @throws BackendError the library failed, e.g. out of memory.
   virtual void analyse(const SymmetricPattern& pattern) = 0;
 

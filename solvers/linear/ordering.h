@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "assembly/assembly.h"
+#include "assembly/symmetric_pattern.h"
 
 namespace palpate {
 

@@ -4,7 +4,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
-#include "assembly/assembly.h"
+#include "assembly/symmetric_pattern.h"
 
 namespace palpate {
 

@@ -13,7 +13,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "assembly/assembly.h"
+#include "assembly/symmetric_pattern.h"
 
 namespace palpate {
 
