@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A part of the energy of a body besides that of its materials, such as inertia in a time step.
+// A part of the energy of a body besides that of its materials, such as that of a load, of springs
+// or of inertia in a time step.
+//
+// A term that couples only points of one cell adds its second derivative to the values of the
+// materials. One that couples other points too tells these pairs, and gives a block for each. The
+// pattern of the system then has room for them (equilibrium/system_pattern.h).
 #pragma once
 
+#include <limits>
 #include <vector>
 
+#include "assembly/point_pair.h"
 #include "base/types.h"
 
 namespace palpate {
@@ -12,11 +19,28 @@ class EnergyTerm {
  public:
   virtual ~EnergyTerm() = default;
 
-  /// Adds the derivative with respect to the state to `force`, N, and, unless it is null, the
-  /// second derivative to `values`, on Assembly::pattern(), N/m.
+  /// Adds the derivative with respect to the state to `force`, N, and, unless it is null, the part
+  /// of the second derivative that has a place on Assembly::pattern() to `values`, N/m.
   /// @returns The energy, J.
   virtual double add(const NodalVector& state, NodalVector& force,
                      std::vector<double>* values) const = 0;
+
+  /// The pairs of points for which the term gives blocks. They may be more than it couples in one
+  /// state: as long as they stay among those that were told before, nothing is analysed anew. They
+  /// may change between two solves, not within one.
+  [[nodiscard]] virtual std::vector<PointPair> couplings() const { return {}; }
+  /// Sets ∂²/∂u_a∂u_b for each of couplings(), in their order, N/m.
+  virtual void take_blocks(const NodalVector& /*state*/, std::vector<Mat3>& /*blocks*/) const {}
+
+  /// How far a point of the body may move in one step of a solve, m.
+  [[nodiscard]] virtual double longest_step() const {
+    return std::numeric_limits<double>::infinity();
+  }
+
+  /// Whether the second derivative at the rest of the body stays the same from solve to solve, as
+  /// that of a load or a spring does, so that one factor at rest serves them all. That of inertia
+  /// does not: it changes with the time step.
+  [[nodiscard]] virtual bool is_constant_at_rest() const { return true; }
 
  protected:
   EnergyTerm() = default;

@@ -7,11 +7,12 @@
 #include <sstream>
 #include <utility>
 
-#include "assembly/energy_term.h"
 #include "assembly/external_energy.h"
 #include "assembly/mass.h"
 #include "assembly/piece_support.h"
 #include "base/error.h"
+#include "dynamics/run_notes.h"
+#include "dynamics/step_term.h"
 #include "dynamics/viscosity.h"
 #include "equilibrium/condensed_system.h"
 #include "equilibrium/corrector.h"
@@ -45,87 +46,11 @@ constexpr double kLeastShare = 1e-12;
 /// do so because of the step's length.
 constexpr double kShortestThrough = 1.0 / 16;
 
-/// The energy that a step adds to that of the materials.
-class StepTerm final : public EnergyTerm {
- public:
-  StepTerm(const Assembly& assembly, const MassMatrix& mass, NodalVector load)
-      : assembly_(assembly), mass_(mass), load_(std::move(load)) {}
-
-  void set_load_share(double share) { load_share_ = share; }
-  void set_inertia(double factor, const NodalVector& centre) {
-    inertia_ = factor;
-    centre_ = centre;
-  }
-  /// Sets a force that is constant during the step, N [state_size].
-  void set_past(const NodalVector& force) { past_ = force; }
-  void set_memory(const Memory* memory) { memory_ = memory; }
-  /// The load, N.
-  [[nodiscard]] const NodalVector& load() const { return load_; }
-
-  double add(const NodalVector& state, NodalVector& force,
-             std::vector<double>* values) const override {
-    double energy = -load_share_ * load_.dot(state);
-    force -= load_share_ * load_;
-    if (past_.size() > 0) {
-      energy += past_.dot(state);
-      force += past_;
-    }
-    if (inertia_ > 0) {
-      NodalVector way = NodalVector::Zero(state.size());
-      way.head(centre_.size()) = state.head(centre_.size()) - centre_;
-      const NodalVector of_mass = mass_.times(way);
-      energy += 0.5 * inertia_ * way.dot(of_mass);
-      force += inertia_ * of_mass;
-      if (values != nullptr) mass_.add_to(inertia_, *values);
-    }
-    if (memory_ != nullptr) energy += assembly_.add_memory(*memory_, state, force, values);
-    return energy;
-  }
-
- private:
-  const Assembly& assembly_;
-  const MassMatrix& mass_;
-  NodalVector load_;
-  double load_share_ = 1;
-  double inertia_ = 0;
-  NodalVector centre_;
-  NodalVector past_;
-  const Memory* memory_ = nullptr;
-};
-
 /// Formats a number so that short steps keep their digits.
 std::string text_of(double number) {
   std::ostringstream text;
   text << number;
   return text.str();
-}
-
-/// What is notable about the states of a run that goes on.
-struct Notes {
-  int num_states = 0;
-  /// The number of states with inverted cells; and time, least det F and cell of the worst of them.
-  int num_inverted = 0;
-  double worst_time = 0;
-  double worst_det_f = 0;
-  Index worst_cell = -1;
-  /// The number of steps that are less accurate than was asked for, and the end of the first of
-  /// them, s.
-  int num_inaccurate = 0;
-  double first_inaccurate = 0;
-};
-
-void add(const DynamicState& state, Notes& notes) {
-  ++notes.num_states;
-  if ((state.flags & flags::inverted) != 0) {
-    if (notes.num_inverted++ == 0 || state.minimum_det_f < notes.worst_det_f) {
-      notes.worst_time = state.motion.time;
-      notes.worst_det_f = state.minimum_det_f;
-      notes.worst_cell = state.minimum_det_f_cell;
-    }
-  }
-  if ((state.flags & flags::inaccurate) != 0 && notes.num_inaccurate++ == 0) {
-    notes.first_inaccurate = state.motion.time;
-  }
 }
 
 bool ends_run(Outcome outcome) {
@@ -187,16 +112,18 @@ void validate(const DynamicsOptions& options) {
 class DynamicSolver::Impl {
  public:
   Impl(const Scene& scene, const std::vector<Rheology>& rheologies, const Interaction& tools,
-       DynamicsOptions options, std::unique_ptr<LinearSolver> linear_solver)
+       DynamicsOptions options, std::unique_ptr<LinearSolver> linear_solver,
+       const std::vector<const EnergyTerm*>& terms)
       : scene_(scene),
         rheologies_(checked(scene, rheologies)),
         options_(std::move(options)),
         all_tools_(as_list(tools)),
-        system_(
-            scene, std::move(linear_solver), std::max(2, options_.equilibrium.kept_factors),
-            options_.equilibrium.single_precision ? Precision::single_if_safe : Precision::full),
+        system_(scene, std::move(linear_solver), std::max(2, options_.equilibrium.kept_factors),
+                options_.equilibrium.single_precision ? Precision::single_if_safe : Precision::full,
+                terms),
         mass_(scene, densities(rheologies_), system_.assembly()),
-        term_(system_.assembly(), mass_, mass_.weight(options_.gravity)) {
+        term_(system_.assembly(), mass_, mass_.weight(options_.gravity)),
+        further_(terms) {
     if (scene_.has_supports_or_surface_loads()) external_.emplace(scene_, system_.assembly());
     system_.set_interaction(all_tools_);
     require_held();
@@ -222,8 +149,8 @@ class DynamicSolver::Impl {
     DynamicState state =
         begin(path.at(0), clear.size() > 0 ? clear : Eigen::VectorXd::Zero(path.num_coordinates()));
     if (state.outcome != Outcome::converged || !take(state)) return state;
-    Notes notes;
-    add(state, notes);
+    RunNotes notes;
+    notes.add(state);
     const double longest = std::min(options_.time_step, until);
     double next = longest;
     int good_steps = 0;
@@ -269,14 +196,14 @@ class DynamicSolver::Impl {
       }
       end_step(state, to);
       state = std::move(to);
-      add(state, notes);
+      notes.add(state);
       next = std::max(next_length(path, state, length, good_steps), shortest);
       if (!take(state)) {
         state.outcome = Outcome::aborted;
         return state;
       }
     }
-    state.message = describe(notes, shortest);
+    state.message = notes.describe(scene_.mesh, system_.assembly(), shortest);
     return state;
   }
 
@@ -318,27 +245,6 @@ class DynamicSolver::Impl {
            advise_finer_quadrature(system_.assembly()) + '.';
   }
 
-  [[nodiscard]] std::string describe(const Notes& notes, double shortest) const {
-    std::ostringstream text;
-    if (notes.num_inverted > 0) {
-      text << "In " << notes.num_inverted << " of " << notes.num_states
-           << " states cells are inverted: the worst is "
-           << describe_cell(scene_.mesh, notes.worst_cell) << " at " << notes.worst_time
-           << " s with det F = " << notes.worst_det_f
-           << ". Move the tools less far, give those that hold the body a TipRadius, or refine the "
-              "mesh there"
-           << advise_finer_quadrature(system_.assembly()) << ". ";
-    }
-    if (notes.num_inaccurate > 0) {
-      text << notes.num_inaccurate << " steps, the first up to " << notes.first_inaccurate
-           << " s, are less accurate than StepTolerance asks for: no step may be shorter than "
-           << shortest << " s (TimeStep, halved MaximumHalvings times). ";
-    }
-    std::string message = text.str();
-    if (!message.empty()) message.pop_back();
-    return message;
-  }
-
   /// Lets go of the tools whose time has come.
   void let_go(const ToolPath& path, DynamicState& state, double instant) {
     bool any = false;
@@ -376,6 +282,7 @@ class DynamicSolver::Impl {
   void set_terms() {
     std::vector<const EnergyTerm*> terms{&term_};
     if (external_) terms.push_back(&*external_);
+    terms.insert(terms.end(), further_.begin(), further_.end());
     system_.set_terms(std::move(terms));
   }
 
@@ -584,6 +491,7 @@ class DynamicSolver::Impl {
       state.energy.elastic += of_springs;
       state.energy.weight += external_->add(x, force, nullptr) - of_springs;
     }
+    for (const EnergyTerm* term : further_) state.energy.elastic += term->add(x, force, nullptr);
     unbalanced_ = force;
     force += mass_.times(acceleration);
     state.energy.kinetic =
@@ -707,6 +615,8 @@ class DynamicSolver::Impl {
   StepTerm term_;
   /// Supports, and loads other than gravity; empty: there are none.
   std::optional<ExternalEnergy> external_;
+  /// Energies that are not of the scene.
+  std::vector<const EnergyTerm*> further_;
   std::optional<Viscosity> viscosity_;
   /// The state of rest in which the motion begins [state_size].
   NodalVector rest_;
@@ -726,12 +636,13 @@ class DynamicSolver::Impl {
 
 DynamicSolver::DynamicSolver(const Scene& scene, const std::vector<Rheology>& rheologies,
                              const Interaction& tools, DynamicsOptions options,
-                             std::unique_ptr<LinearSolver> linear_solver) {
+                             std::unique_ptr<LinearSolver> linear_solver,
+                             const std::vector<const EnergyTerm*>& terms) {
   validate(options);
   Scene checked_scene = scene;
   check(checked_scene);
   impl_ = std::make_unique<Impl>(checked_scene, rheologies, tools, std::move(options),
-                                 std::move(linear_solver));
+                                 std::move(linear_solver), terms);
 }
 DynamicSolver::~DynamicSolver() = default;
 DynamicSolver::DynamicSolver(DynamicSolver&&) noexcept = default;

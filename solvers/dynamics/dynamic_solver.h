@@ -5,13 +5,11 @@
 //
 // Π contains the energies of supports, pressures and tractions (assembly/external_energy.h). Each
 // step of an implicit method (time_integration.h) searches for a stationary point of an energy, as
-// the search for an equilibrium does,
-//
-// and in the same way (equilibrium/corrector.h): a factor is kept for as many iterations and steps
-// as it contracts. A step that does not converge is halved, down to a shortest step; if that fails
-// too, the motion ends with a named outcome. An inverted corner of a cell does not end it, but sets
-// flags::inverted. (Laws that are not defined for inverted cells keep quadrature points from
-// inverting.)
+// the search for an equilibrium does, and in the same way (equilibrium/corrector.h): a factor is
+// kept for as many iterations and steps as it contracts. A step that does not converge is halved,
+// down to a shortest step; if that fails too, the motion ends with a named outcome. An inverted
+// corner of a cell does not end it, but sets flags::inverted. (Laws that are not defined for
+// inverted cells keep quadrature points from inverting.)
 //
 // A step ends when a tool is let go. Events that are nearer to each other than a thousandth of the
 // time step count as simultaneous.
@@ -26,6 +24,8 @@
 #include <string>
 #include <vector>
 
+#include "assembly/energy_term.h"
+#include "assembly/scene.h"
 #include "base/outcome.h"
 #include "dynamics/time_integration.h"
 #include "dynamics/tool_path.h"
@@ -66,7 +66,8 @@ void validate(const DynamicsOptions& options);
 ///   work = change of (kinetic + elastic + weight + viscous_stored) + dissipated
 struct EnergyAccount {
   double kinetic = 0;
-  /// The elastic energy of the laws, of springs that support the body, and of potentials of tools.
+  /// The elastic energy of the laws, of springs that support the body, of further terms, and of
+  /// potentials of tools.
   double elastic = 0;
   /// −gᵀM u, and the potentials of pressures and tractions.
   double weight = 0;
@@ -109,10 +110,12 @@ class DynamicSolver {
   /// @param rheologies One for each material of the scene.
   /// @param tools A single tool or an InteractionList, which may be empty.
   /// @param linear_solver Null: tangents are solved for by iteration, see EquilibriumSolver.
+  /// @param terms As for EquilibriumSolver.
   /// @throws InputError as EquilibriumSolver; a body without density anywhere.
   DynamicSolver(const Scene& scene, const std::vector<Rheology>& rheologies,
                 const Interaction& tools, DynamicsOptions options,
-                std::unique_ptr<LinearSolver> linear_solver = make_linear_solver());
+                std::unique_ptr<LinearSolver> linear_solver = make_linear_solver(),
+                const std::vector<const EnergyTerm*>& terms = {});
   ~DynamicSolver();
   DynamicSolver(DynamicSolver&&) noexcept;
   DynamicSolver& operator=(DynamicSolver&&) noexcept;

@@ -2,6 +2,7 @@
 #include "equilibrium/condensed_system.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -10,24 +11,12 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "elements/containment.h"
-#include "linear/condition.h"
-#include "linear/product.h"
 
 namespace palpate {
 namespace {
 
 /// The displacement scale is at least this share of the mean edge.
 constexpr double kLeastDisplacement = 1e-3;
-/// Entries of coordinate_of_unknown_ that are no coordinates.
-constexpr Index kFree = -1;
-constexpr Index kIdle = -2;
-/// The factor at rest serves a tool only if its solutions have a relative error below this, which
-/// one step of refinement removes.
-constexpr double kRefinable = 1e-8;
-/// A body that keeps fewer factors than this does not share the factor at rest: it would have none
-/// left for a state of a solve.
-constexpr std::size_t kLeastFactorsToShare = 3;
-
 Eigen::VectorXd row_norms(const SymmetricPattern& pattern, const std::vector<double>& values) {
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(pattern.size);
   for (Index c = 0; c < pattern.size; ++c) {
@@ -42,66 +31,99 @@ Eigen::VectorXd row_norms(const SymmetricPattern& pattern, const std::vector<dou
 }  // namespace
 
 CondensedSystem::CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolver> solver,
-                                 int kept_factors, Precision precision)
+                                 int kept_factors, Precision precision,
+                                 const std::vector<const EnergyTerm*>& terms)
     : mesh_(scene.mesh),
-      fixed_(scene.fixed),
       holding_points_(palpate::holding_points(scene)),
       assembly_(scene),
+      pattern_(assembly_),
       constraints_(scene, assembly_),
       rest_(NodalVector::Zero(assembly_.state_size())),
       kept_factors_(static_cast<std::size_t>(kept_factors)),
       precision_(is_saddle() ? Precision::full : precision) {
+  for (const EnergyTerm* term : terms) {
+    if (pattern_.add(term->couplings())) constraints_.set_pattern(pattern());
+  }
   if (solver != nullptr) {
     take_solver(std::move(solver));
   }
-  measure_rest();
+  measure_stiffness();
   if (spare_solver_ == nullptr) {
-    krylov_ = std::make_unique<KrylovTangent>(mesh_, assembly_, rest_values_);
+    krylov_ = std::make_unique<KrylovTangent>(mesh_, assembly_, pattern(), undeformed_);
   }
 }
 
-void CondensedSystem::measure_rest() {
-  const SymmetricPattern& pattern = assembly_.pattern();
-  assemble(NodalVector::Zero(assembly_.state_size()), rest_values_);
-  constraints_.measure(rest_values_);
-  constraints_.constrain(rest_values_);
-  const Index num_displacements = pattern.size - assembly_.num_unknown_pressures();
+void CondensedSystem::measure_stiffness() {
+  assemble(NodalVector::Zero(assembly_.state_size()), undeformed_);
+  constraints_.measure(undeformed_);
+  constraints_.constrain(undeformed_);
+  const Index num_displacements = pattern().size - assembly_.num_unknown_pressures();
   double sum = 0;
-  for (Index c = 0; c < num_displacements; ++c) sum += rest_values_[pattern.column_start[c]];
+  for (Index c = 0; c < num_displacements; ++c) sum += undeformed_[pattern().column_start[c]];
   mean_diagonal_ = sum / num_displacements;
-  inverse_row_norm_ = row_norms(pattern, rest_values_).cwiseInverse();
+  inverse_row_norm_ = row_norms(pattern(), undeformed_).cwiseInverse();
 }
 
 void CondensedSystem::set_terms(std::vector<const EnergyTerm*> terms) {
   terms_ = std::move(terms);
-  measure_rest();
+  take_couplings();
+  measure_stiffness();
   for (KeptFactor& factor : factors_) factor.state.resize(0);
+  drop_rest_factor();
   rest_is_safe_.reset();
   has_tangent_ = false;
+  is_settled_ = terms_.empty();
+  rest_stability_.reset();
+  if (is_settled_) rest_stability_.emplace();
 }
 
-void CondensedSystem::take_solver(std::unique_ptr<LinearSolver> solver) {
-  const SymmetricPattern& pattern = assembly_.pattern();
-  if (!assembly_.multipliers().empty() && !assembly_.has_stabilised_pressures() &&
-      !solver->pivots()) {
-    throw InputError(std::string("The linear solver ") + solver->name() +
-                     " cannot solve for an incompressible law, whose tangent is indefinite. Use "
-                     "MUMPS, or a law with a bulk modulus.");
+void CondensedSystem::set_rest(const NodalVector& state) {
+  rest_ = state;
+  drop_rest_factor();
+  is_settled_ = true;
+  if (!terms_.empty()) rest_stability_.reset();
+}
+
+void CondensedSystem::take_couplings() {
+  std::vector<std::vector<PointPair>> couplings;
+  bool has_changed = places_of_terms_.size() != terms_.size();
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    couplings.push_back(terms_[i]->couplings());
+    has_changed = has_changed || couplings[i] != places_of_terms_[i].pairs();
   }
-  {
-    const Timer timer(work_.analysis_seconds);
-    ++work_.analyses;
-    solver->analyse(pattern);
+  if (!has_changed) return;
+  bool has_grown = false;
+  for (const auto& of_term : couplings) has_grown = pattern_.add(of_term) || has_grown;
+  place_terms(std::move(couplings));
+  if (!has_grown) return;
+  analyse_anew();
+  if (interaction_ != nullptr) place_tool();
+}
+
+void CondensedSystem::place_terms(std::vector<std::vector<PointPair>> couplings) {
+  places_of_terms_.clear();
+  for (auto& of_term : couplings) {
+    places_of_terms_.emplace_back(std::move(of_term), assembly_, pattern());
   }
-  if (assembly_.is_linear() || kept_factors_ >= kLeastFactorsToShare) {
-    most_shared_ = RestFactor::most_held(*solver, pattern.size);
+}
+
+void CondensedSystem::analyse_anew() {
+  constraints_.set_pattern(pattern());
+  measure_stiffness();
+  has_tangent_ = false;
+  if (krylov_ != nullptr) {
+    krylov_ = std::make_unique<KrylovTangent>(mesh_, assembly_, pattern(), undeformed_);
+    return;
   }
-  spare_solver_ = std::move(solver);
-  factors_.reserve(kept_factors_);  // so that pointers to them stay valid
+  drop_rest_factor();
+  if (spare_solver_ == nullptr) spare_solver_ = std::move(factors_.front().solver);
+  factors_.clear();
+  rest_is_safe_.reset();
+  take_solver(std::move(spare_solver_));
 }
 
 std::vector<char> CondensedSystem::find_idle_multipliers() const {
-  const SymmetricPattern& pattern = assembly_.pattern();
+  const SymmetricPattern& pattern = pattern_.whole();
   std::vector<char> idle(pattern.size, 0);
   for (Index unknown : assembly_.multipliers()) idle[unknown] = 1;
   for (Index c = 0; c < pattern.size - assembly_.num_unknown_pressures(); ++c) {
@@ -120,8 +142,7 @@ std::vector<char> CondensedSystem::find_idle_multipliers() const {
 
 void CondensedSystem::set_interaction(const Interaction& interaction) {
   const auto& unknown_of_point = assembly_.unknown_of_point();
-  const SymmetricPattern& pattern = assembly_.pattern();
-  std::vector<Index> coordinates(pattern.size, kFree);
+  std::vector<Index> coordinates(pattern().size, kFree);
   std::vector<PrescribedPoint> prescribed = interaction.prescribed_points();
   for (const auto& [point, coordinate] : prescribed) {
     if (point < 0 || point >= assembly_.num_points()) {
@@ -148,6 +169,21 @@ void CondensedSystem::set_interaction(const Interaction& interaction) {
   interaction_ = interaction.clone();
   prescribed_points_ = std::move(prescribed);
   coordinate_of_unknown_ = std::move(coordinates);
+  is_shared_.reset();
+  has_tangent_ = false;
+  for (KeptFactor& factor : factors_) factor.state.resize(0);
+  if (pattern_.add(interaction_->couplings())) {
+    std::vector<std::vector<PointPair>> of_terms;
+    for (const PairPlaces& places : places_of_terms_) of_terms.push_back(places.pairs());
+    place_terms(std::move(of_terms));
+    analyse_anew();
+  }
+  place_tool();
+}
+
+void CondensedSystem::place_tool() {
+  const SymmetricPattern& pattern = pattern_.whole();
+  std::replace(coordinate_of_unknown_.begin(), coordinate_of_unknown_.end(), kIdle, kFree);
   const std::vector<char> idle = find_idle_multipliers();
   for (Index unknown = 0; unknown < pattern.size; ++unknown) {
     if (idle[unknown] != 0) coordinate_of_unknown_[unknown] = kIdle;
@@ -156,7 +192,6 @@ void CondensedSystem::set_interaction(const Interaction& interaction) {
   held_.clear();
   idle_.clear();
   idle_diagonal_.clear();
-  for (KeptFactor& factor : factors_) factor.state.resize(0);
   if (krylov_ != nullptr) {
     std::vector<char> held(static_cast<std::size_t>(pattern.size / 3));
     for (std::size_t node = 0; node < held.size(); ++node) {
@@ -164,8 +199,6 @@ void CondensedSystem::set_interaction(const Interaction& interaction) {
     }
     krylov_->hold(held);
   }
-  is_shared_.reset();
-  has_tangent_ = false;
   for (Index c = 0; c < pattern.size; ++c) {
     for (Index i = pattern.column_start[c]; i < pattern.column_start[c + 1]; ++i) {
       const Index row = pattern.row[i];
@@ -186,6 +219,13 @@ void CondensedSystem::set_interaction(const Interaction& interaction) {
 
 double CondensedSystem::displacement_scale(const Eigen::VectorXd& q) const {
   return std::max(interaction_->displacement_scale(q), kLeastDisplacement * assembly_.mean_edge());
+}
+
+double CondensedSystem::longest_step() const {
+  double longest = interaction_ == nullptr ? std::numeric_limits<double>::infinity()
+                                           : interaction_->longest_step();
+  for (const EnergyTerm* term : terms_) longest = std::min(longest, term->longest_step());
+  return longest;
 }
 
 double CondensedSystem::norm(const Eigen::VectorXd& r) const {
@@ -211,7 +251,7 @@ Evaluation CondensedSystem::evaluate(const Eigen::VectorXd& q, const NodalVector
 
 Eigen::VectorXd CondensedSystem::residual(const Evaluation& at) const {
   const auto& state_of_unknown = assembly_.state_of_unknown();
-  Eigen::VectorXd r(assembly_.pattern().size);
+  Eigen::VectorXd r(pattern().size);
   for (Index i = 0; i < r.size(); ++i) {
     r[i] = coordinate_of_unknown_[i] >= 0 ? 0 : at.force[state_of_unknown[i]];
   }
@@ -261,7 +301,7 @@ Eigen::MatrixXd CondensedSystem::sensitivity_of(const LinearisedState& state) co
 
 Eigen::VectorXd CondensedSystem::as_unknowns(const NodalVector& state) const {
   const auto& state_of_unknown = assembly_.state_of_unknown();
-  Eigen::VectorXd unknowns(assembly_.pattern().size);
+  Eigen::VectorXd unknowns(pattern().size);
   for (Index i = 0; i < unknowns.size(); ++i) {
     unknowns[i] = coordinate_of_unknown_[i] >= 0 ? 0 : state[state_of_unknown[i]];
   }
@@ -279,12 +319,21 @@ void CondensedSystem::assemble(const NodalVector& state, std::vector<double>& va
   const Timer timer(work_.assembly_seconds);
   ++work_.assemblies;
   NodalVector force;
-  assembly_.tangent(state, force, values);
-  (void)add_terms(state, force, &values);
+  std::vector<double>& of_materials = pattern_.has_grown() ? of_materials_ : values;
+  assembly_.tangent(state, force, of_materials);
+  (void)add_terms(state, force, &of_materials);
+  if (pattern_.has_grown()) pattern_.spread(of_materials_, values);
+  for (std::size_t i = 0; i < places_of_terms_.size(); ++i) {
+    const PairPlaces& places = places_of_terms_[i];
+    if (places.pairs().empty()) continue;
+    blocks_.resize(places.pairs().size());
+    terms_[i]->take_blocks(state, blocks_);
+    places.add(blocks_, values);
+  }
 }
 
 double CondensedSystem::add_terms(const NodalVector& state, NodalVector& force,
-                                  std::vector<double>* values) {
+                                  std::vector<double>* values) const {
   double energy = 0;
   for (const EnergyTerm* term : terms_) energy += term->add(state, force, values);
   return energy;
@@ -302,7 +351,11 @@ bool CondensedSystem::feels_nothing(const Eigen::VectorXd& q, const NodalVector&
 
 bool CondensedSystem::is_as_at_rest(const Eigen::VectorXd& q, const NodalVector& state) const {
   if (is_linear()) return true;
-  if (!terms_.empty() || !state.isZero(0)) return false;
+  if (!is_settled_ || state != rest_) return false;
+  const bool is_constant = std::all_of(terms_.begin(), terms_.end(), [](const EnergyTerm* term) {
+    return term->is_constant_at_rest();
+  });
+  if (!is_constant) return false;
   if (!has_potential()) return true;
   PotentialHessian hessian;
   hessian.of_coordinates.setZero(num_coordinates(), num_coordinates());
@@ -310,62 +363,10 @@ bool CondensedSystem::is_as_at_rest(const Eigen::VectorXd& q, const NodalVector&
   return hessian.of_points.empty();
 }
 
-TangentFactor* CondensedSystem::find_factor(const Eigen::VectorXd& q, const NodalVector& state) {
-  if (is_shared_ == true && is_as_at_rest(q, state)) return rest_factor_.get();
-  return find_kept_factor(q, state);
-}
-
-CondensedSystem::KeptFactor* CondensedSystem::find_kept_factor(const Eigen::VectorXd& q,
-                                                               const NodalVector& state) {
-  const auto found = std::find_if(factors_.begin(), factors_.end(), [&](const KeptFactor& f) {
-    if (f.state.size() == 0) return false;
-    return is_linear() || (f.state == state && (!has_potential() || f.q == q));
-  });
-  if (found == factors_.end()) return nullptr;
-  found->last_use = ++uses_;
-  return &*found;
-}
-
-void CondensedSystem::forget(const Eigen::VectorXd& q, const NodalVector& state) {
-  if (is_linear()) return;  // its factor is that of all states
-  if (KeptFactor* factor = find_kept_factor(q, state)) factor->state.resize(0);
-}
-
-LinearSolver& CondensedSystem::spare_solver() {
-  if (spare_solver_ == nullptr) {
-    const Timer timer(work_.analysis_seconds);
-    LinearSolver& other =
-        rest_factor_ != nullptr ? rest_factor_->solver() : *factors_.front().solver;
-    spare_solver_ = other.another();
-  }
-  return *spare_solver_;
-}
-
-CondensedSystem::KeptFactor& CondensedSystem::factor_to_replace() {
-  const auto empty = std::find_if(factors_.begin(), factors_.end(),
-                                  [](const KeptFactor& f) { return f.state.size() == 0; });
-  if (empty != factors_.end()) return *empty;
-  const std::size_t others = is_shared_ == true ? 1 : 0;
-  if (factors_.size() + others < kept_factors_) {
-    (void)spare_solver();
-    return factors_.emplace_back(std::move(spare_solver_));
-  }
-  return *std::min_element(
-      factors_.begin(), factors_.end(),
-      [](const KeptFactor& a, const KeptFactor& b) { return a.last_use < b.last_use; });
-}
-
-Index CondensedSystem::position(Index row, Index column) const {
-  const SymmetricPattern& pattern = assembly_.pattern();
-  const auto first = pattern.row.begin() + pattern.column_start[column];
-  const auto last = pattern.row.begin() + pattern.column_start[column + 1];
-  return static_cast<Index>(std::lower_bound(first, last, row) - pattern.row.begin());
-}
-
-void CondensedSystem::add_potential(const Eigen::VectorXd& q, const NodalVector& state) {
+void CondensedSystem::add_potential(CondensedTangent& tangent) const {
   PotentialHessian hessian;
   hessian.of_coordinates.setZero(num_coordinates(), num_coordinates());
-  interaction_->add_hessian(q, state, hessian);
+  interaction_->add_hessian(tangent.q, tangent.state, hessian);
   const auto& unknown_of_point = assembly_.unknown_of_point();
   for (const auto& [point_a, point_b, value] : hessian.of_points) {
     const Index a = unknown_of_point[point_a];
@@ -373,7 +374,9 @@ void CondensedSystem::add_potential(const Eigen::VectorXd& q, const NodalVector&
     if (a < 0 || b < 0) continue;
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < (a == b ? i + 1 : 3); ++j) {
-        values_[position(std::max(a + i, b + j), std::min(a + i, b + j))] += value(i, j);
+        const Index position = pattern().find(std::max(a + i, b + j), std::min(a + i, b + j));
+        assert(position >= 0 && "the tool couples points that its couplings() do not tell");
+        tangent.values[position] += value(i, j);
       }
     }
   }
@@ -382,203 +385,80 @@ void CondensedSystem::add_potential(const Eigen::VectorXd& q, const NodalVector&
     if (unknown < 0) continue;
     const Index prescribed = coordinate_of_unknown_[unknown];
     if (prescribed < 0) {
-      mixed_.block(unknown, coordinate, 3, value.cols()) += value;
+      tangent.mixed.block(unknown, coordinate, 3, value.cols()) += value;
     } else {
-      of_coordinates_.block(prescribed, coordinate, 3, value.cols()) += value;
-      of_coordinates_.block(coordinate, prescribed, value.cols(), 3) += value.transpose();
+      tangent.of_coordinates.block(prescribed, coordinate, 3, value.cols()) += value;
+      tangent.of_coordinates.block(coordinate, prescribed, value.cols(), 3) += value.transpose();
     }
   }
-  of_coordinates_ += hessian.of_coordinates;
+  tangent.of_coordinates += hessian.of_coordinates;
 }
 
-void CondensedSystem::assemble_tangent(const Eigen::VectorXd& q, const NodalVector& state) {
-  if (has_tangent_ && is_linear()) return;
+std::shared_ptr<const CondensedTangent> CondensedSystem::tangent(const Eigen::VectorXd& q,
+                                                                 const NodalVector& state) {
+  if (has_tangent_ && is_linear()) return last_tangent_;
+  if (last_tangent_ == nullptr || last_tangent_.use_count() > 1) {
+    last_tangent_ = std::make_shared<CondensedTangent>();
+  }
+  CondensedTangent& tangent = *last_tangent_;
+  tangent.q = q;
+  tangent.state = state;
+  std::vector<double>& values = tangent.values;
   if (terms_.empty() && (assembly_.is_linear() || state.isZero(0))) {
-    values_ = rest_values_;
+    values = undeformed_;
   } else {
-    assemble(state, values_);
+    assemble(state, values);
   }
   has_tangent_ = true;
-  mixed_.setZero(assembly_.pattern().size, num_coordinates());
-  of_coordinates_.setZero(num_coordinates(), num_coordinates());
+  tangent.mixed.setZero(pattern().size, num_coordinates());
+  tangent.of_coordinates.setZero(num_coordinates(), num_coordinates());
   if (has_potential()) {
-    add_potential(q, state);
-    constraints_.project(mixed_);
+    add_potential(tangent);
+    constraints_.project(tangent.mixed);
   }
   // Values that were constrained at rest do not change when they are constrained again.
-  constraints_.constrain(values_);
+  constraints_.constrain(values);
   for (const Coupling& c : couplings_) {
-    mixed_(c.unknown, c.coordinate) += std::exchange(values_[c.position], 0.0);
+    tangent.mixed(c.unknown, c.coordinate) += std::exchange(values[c.position], 0.0);
   }
   for (const Held& h : held_) {
-    const double value = std::exchange(values_[h.position], h.diagonal ? mean_diagonal_ : 0.0);
-    of_coordinates_(h.coordinate_a, h.coordinate_b) += value;
-    if (!h.diagonal) of_coordinates_(h.coordinate_b, h.coordinate_a) += value;
+    const double value = std::exchange(values[h.position], h.diagonal ? mean_diagonal_ : 0.0);
+    tangent.of_coordinates(h.coordinate_a, h.coordinate_b) += value;
+    if (!h.diagonal) tangent.of_coordinates(h.coordinate_b, h.coordinate_a) += value;
   }
-  for (Index position : idle_) values_[position] = 0;
+  for (Index position : idle_) values[position] = 0;
   // The diagonal is negative as that of every pressure, so that the count of negative pivots stays
   // right.
-  for (Index position : idle_diagonal_) values_[position] = -mean_diagonal_;
-  if (krylov_ != nullptr) krylov_->take(values_);
+  for (Index position : idle_diagonal_) values[position] = -mean_diagonal_;
+  if (krylov_ != nullptr) krylov_->take(values);
+  return last_tangent_;
 }
 
-Eigen::MatrixXd CondensedSystem::times_tangent(const Eigen::MatrixXd& columns) const {
+Eigen::MatrixXd CondensedSystem::times(const CondensedTangent& tangent,
+                                       const Eigen::MatrixXd& columns) const {
   // Three columns share each pass over the values.
   constexpr int kTogether = 3;
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, kTogether, Eigen::RowMajor>;
+  const SymmetricPattern& pattern = pattern_.whole();
+  const std::vector<double>& values = tangent.values;
   Eigen::MatrixXd product(columns.rows(), columns.cols());
   for (Eigen::Index first = 0; first < columns.cols(); first += kTogether) {
     const Rows x = columns.middleCols<kTogether>(first);
     Rows y = Rows::Zero(x.rows(), kTogether);
-    const SymmetricPattern& pattern = assembly_.pattern();
     for (Index c = 0; c < pattern.size; ++c) {
       const Eigen::RowVector3d x_c = x.row(c);
       Eigen::RowVector3d y_c = Eigen::RowVector3d::Zero();
       Index i = pattern.column_start[c];
-      y_c += values_[i] * x_c;  // the diagonal is the first of its column
+      y_c += values[i] * x_c;  // the diagonal is the first of its column
       for (++i; i < pattern.column_start[c + 1]; ++i) {
-        y.row(pattern.row[i]) += values_[i] * x_c;
-        y_c += values_[i] * x.row(pattern.row[i]);
+        y.row(pattern.row[i]) += values[i] * x_c;
+        y_c += values[i] * x.row(pattern.row[i]);
       }
       y.row(c) += y_c;
     }
     product.middleCols<kTogether>(first) = y;
   }
   return product;
-}
-
-bool CondensedSystem::shares_rest_factor() {
-  if (is_shared_) return *is_shared_;
-  is_shared_ = false;
-  std::vector<Index> held;
-  for (Index i = 0; i < assembly_.pattern().size; ++i) {
-    if (coordinate_of_unknown_[i] != kFree) held.push_back(i);
-  }
-  const auto num_held = static_cast<Index>(held.size());
-  if (num_held > most_shared_ || !idle_diagonal_.empty()) return false;
-  if (rest_factor_ == nullptr) {
-    LinearSolver& solver = spare_solver();
-    const Timer timer(work_.factorisation_seconds);
-    ++work_.factorisations;
-    if (solver.factorise(rest_values_) != FactorStatus::ok) {
-      most_shared_ = 0;  // the body floats if nothing is held
-      return false;
-    }
-    rest_factor_ = std::make_unique<RestFactor>(std::move(spare_solver_), assembly_.pattern().size);
-  }
-  {
-    const Timer timer(work_.solve_seconds);
-    work_.right_hand_sides += num_held;
-    rest_factor_->hold(std::move(held));
-  }
-  is_shared_ = error_of_rest_factor() <= kRefinable;
-  return *is_shared_;
-}
-
-double CondensedSystem::error_of_rest_factor() {
-  Eigen::VectorXd x(assembly_.pattern().size);
-  for (Index i = 0; i < x.size(); ++i) {
-    x[i] = coordinate_of_unknown_[i] != kFree ? 0 : (i % 2 == 0 ? 1 : -1);
-  }
-  constraints_.project(x);
-  Eigen::VectorXd found = product(assembly_.pattern(), values_, x);
-  solve(*rest_factor_, found);
-  const double error = (found - x).norm() / x.norm();
-  return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
-}
-
-TangentFactor* CondensedSystem::factorise(const Eigen::VectorXd& q, const NodalVector& state) {
-  if (is_as_at_rest(q, state)) {
-    assemble_tangent(q, state);
-    if (shares_rest_factor()) return rest_factor_.get();
-  }
-  const Precision usual = usual_precision();
-  KeptFactor* factor = factorise_alone(q, state, single_fails_ ? Precision::full : usual);
-  if (usual == Precision::full) return factor;
-  if (factor != nullptr) factor->is_provisional = single_fails_;
-  single_fails_ = factor == nullptr || !factor->solver->is_single();
-  return factor;
-}
-
-void CondensedSystem::begin_solve() {
-  if (krylov_ != nullptr) krylov_->begin_solve();
-  single_fails_ = false;
-  for (KeptFactor& factor : factors_) {
-    if (factor.is_provisional) factor.state.resize(0);
-  }
-}
-
-TangentFactor* CondensedSystem::factorise_accurately(const Eigen::VectorXd& q,
-                                                     const NodalVector& state) {
-  KeptFactor* factor = factorise_alone(q, state, Precision::full);
-  // A kept factor must be the usual one of its state, whatever was asked for.
-  const bool is_usual = is_linear() || usual_precision() == Precision::full;
-  if (factor != nullptr && !is_usual) factor->state.resize(0);
-  return factor;
-}
-
-/// If the tangent at rest is not safe in single precision, as with parts of very different
-/// stiffness, later tangents are not either.
-Precision CondensedSystem::usual_precision() {
-  if (precision_ == Precision::full) return precision_;
-  if (!rest_is_safe_) {
-    LinearSolver& solver = spare_solver();
-    const Timer timer(work_.factorisation_seconds);
-    ++work_.factorisations;
-    rest_is_safe_ =
-        solver.factorise(rest_values_, precision_) == FactorStatus::ok && solver.is_single();
-  }
-  return *rest_is_safe_ ? precision_ : Precision::full;
-}
-
-CondensedSystem::KeptFactor* CondensedSystem::factorise_alone(const Eigen::VectorXd& q,
-                                                              const NodalVector& state,
-                                                              Precision precision) {
-  if (is_linear()) {
-    KeptFactor* factor = find_kept_factor(q, state);
-    if (factor != nullptr && (precision != Precision::full || !factor->is_rough())) return factor;
-  }
-  KeptFactor& factor = factor_to_replace();
-  factor.state.resize(0);
-  factor.is_provisional = false;
-  assemble_tangent(q, state);
-  const Timer timer(work_.factorisation_seconds);
-  ++work_.factorisations;
-  if (factor.solver->factorise(values_, precision) != FactorStatus::ok) return nullptr;
-  factor.q = q;
-  factor.state = state;
-  factor.last_use = ++uses_;
-  return &factor;
-}
-
-void CondensedSystem::solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns) {
-  const Timer timer(work_.solve_seconds);
-  work_.right_hand_sides += columns.cols();
-  factor.solve(columns);
-  constraints_.project(columns);
-}
-
-SolveSummary CondensedSystem::solve(Eigen::Ref<Eigen::MatrixXd> columns, double tolerance) {
-  const Timer timer(work_.solve_seconds);
-  work_.right_hand_sides += columns.cols();
-  SolveSummary summary = krylov_->solve(columns, tolerance);
-  work_.krylov_iterations += summary.iterations;
-  constraints_.project(columns);
-  return summary;
-}
-
-Inertia CondensedSystem::find_inertia() {
-  const Timer timer(work_.solve_seconds);
-  return krylov_->inertia();
-}
-
-int CondensedSystem::negative_pivots(const TangentFactor& factor) const {
-  return factor.negative_pivots() - assembly_.num_unknown_pressures();
-}
-
-double CondensedSystem::condition(TangentFactor& factor) const {
-  return condition_estimate(assembly_.pattern(), values_,
-                            [&](auto columns) { factor.solve(columns); });
 }
 
 }  // namespace palpate

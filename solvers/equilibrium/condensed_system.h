@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The discrete body together with a tool, condensed to the free unknowns: the residuals and linear
 // systems that an equilibrium takes. Let i be the free unknowns and a those of the points that the
-// tool prescribes. K_ii is stored on the pattern of the whole body, with the rows and columns of a
-// replaced by a multiple of the identity. So one symbolic analysis serves every tool. One factor of
-// the tangent at rest serves every tool too, as long as a solve for each unknown that is held costs
-// less than a factorisation (rest_factor.h).
+// tool prescribes. K_ii is stored on the pattern of the whole system, with the rows and columns of
+// a replaced by a multiple of the identity. So one symbolic analysis serves every tool; another is
+// made only if a term or a tool couples points for which the pattern has no room
+// (system_pattern.h). One factor of the tangent at rest serves every tool too, as long as a solve
+// for each unknown that is held costs less than a factorisation (rest_factor.h).
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -19,6 +21,7 @@
 #include "equilibrium/krylov_tangent.h"
 #include "equilibrium/rest_factor.h"
 #include "equilibrium/state.h"
+#include "equilibrium/system_pattern.h"
 #include "equilibrium/work.h"
 #include "interaction/interaction.h"
 #include "linear/linear_solver.h"
@@ -41,6 +44,28 @@ struct Evaluation {
   [[nodiscard]] bool is_finite() const { return std::isfinite(energy); }
 };
 
+/// The second derivatives of that energy, condensed to the free unknowns.
+struct CondensedTangent {
+  /// The tool and the state that they belong to. In a linear body they are those of all.
+  Eigen::VectorXd q;
+  NodalVector state;
+  /// K_ii on CondensedSystem::pattern(), N/m.
+  std::vector<double> values;
+  /// ∂²Π/∂x_i∂q [unknowns × num_coordinates] and ∂²Π/∂q².
+  Eigen::MatrixXd mixed;
+  Eigen::MatrixXd of_coordinates;
+};
+
+/// What is known of the rest of a body without a tool.
+struct RestStability {
+  int negative_pivots = 0;
+  double lowest_eigenvalue = std::numeric_limits<double>::quiet_NaN();
+  /// As LinearisedState::displacement_error.
+  double displacement_error = 0;
+  /// flags::unstable and flags::inertia_not_computed.
+  Flags flags = 0;
+};
+
 class CondensedSystem {
  public:
   /// @param scene A scene that check() accepts.
@@ -48,9 +73,10 @@ class CondensedSystem {
   /// @param kept_factors At least 2: the factors at the start of a step and at its present state.
   /// @param precision The precision of factors. A saddle, and a body whose tangent at rest is too
   ///   near to singular for single precision, has full precision in any case.
+  /// @param terms Terms that set_terms() will give: what they couple is analysed at once.
   /// @throws InputError a body that the linear solver cannot factorise.
   CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors,
-                  Precision precision);
+                  Precision precision, const std::vector<const EnergyTerm*>& terms = {});
 
   /// Chooses the tool.
   /// @throws InputError it has no coordinates, or prescribes a point that does not exist, is in no
@@ -59,18 +85,20 @@ class CondensedSystem {
 
   /// Gives the body energies besides that of its materials, and forgets all factors. It measures
   /// anew how stiff each unknown is. Call it again when a term has changed by more than an old
-  /// factor can approximate.
+  /// factor can approximate, and set_rest() once the body has found its rest with them.
   /// @param terms They must outlive this object, or stay until the next call.
   void set_terms(std::vector<const EnergyTerm*> terms);
 
-  /// The state from which the coordinates of tools that prescribe points count. It is the
-  /// undeformed state until this is called.
-  void set_rest(const NodalVector& state) { rest_ = state; }
+  /// The rest of the body with its terms, from which the coordinates of tools that prescribe points
+  /// count. It is the undeformed state until this is called.
+  void set_rest(const NodalVector& state);
 
   [[nodiscard]] const Assembly& assembly() const { return assembly_; }
   /// The assembly, to change the materials: see Assembly::scale_energy(). Call set_terms()
   /// afterwards.
   [[nodiscard]] Assembly& assembly() { return assembly_; }
+  /// The pattern of the tangents.
+  [[nodiscard]] const SymmetricPattern& pattern() const { return pattern_.whole(); }
   /// The tool. Call set_interaction() before.
   [[nodiscard]] const Interaction& interaction() const { return *interaction_; }
   [[nodiscard]] const std::vector<PrescribedPoint>& prescribed_points() const {
@@ -86,8 +114,16 @@ class CondensedSystem {
   }
   /// Whether the tool at q is inside the body, having passed through its surface.
   [[nodiscard]] bool tool_is_inside(const Eigen::VectorXd& q, const NodalVector& state) const;
-  /// Whether the body is at rest and the tool away from it, so that no force acts.
+  /// Whether the body is at rest and the tool away from it, so that the tool feels no force.
   [[nodiscard]] bool feels_nothing(const Eigen::VectorXd& q, const NodalVector& state) const;
+  /// Whether the rest is stable. A body without terms is undeformed there and stable; nothing: it
+  /// has terms, and set_rest_stability() was not called since they or the rest were set.
+  [[nodiscard]] const std::optional<RestStability>& rest_stability() const {
+    return rest_stability_;
+  }
+  void set_rest_stability(const RestStability& stability) { rest_stability_ = stability; }
+  /// How far the tool, or a point of the body, may move in one step of a solve, m.
+  [[nodiscard]] double longest_step() const;
   /// Whether tangents are solved for by iteration. Functions that need a factor must not be called
   /// then.
   [[nodiscard]] bool is_iterative() const { return krylov_ != nullptr; }
@@ -139,34 +175,41 @@ class CondensedSystem {
   [[nodiscard]] TangentFactor* find_factor(const Eigen::VectorXd& q, const NodalVector& state);
   /// If a factor at this state is kept, it is the next to be replaced.
   void forget(const Eigen::VectorXd& q, const NodalVector& state);
-  /// Assembles the tangent at a state for mixed(), of_coordinates() and times_tangent().
-  void assemble_tangent(const Eigen::VectorXd& q, const NodalVector& state);
-  /// Assembles and factorises the tangent at a state. The factor that was not used for the longest
-  /// time is replaced; null: the tangent is singular. A linear body has one factor for all states,
-  /// and if possible all tools share the factor at rest. A factor depends on the scene, the tool
-  /// and the state alone, so that the same factor is made again.
-  [[nodiscard]] TangentFactor* factorise(const Eigen::VectorXd& q, const NodalVector& state);
-  /// Factorises the tangent for this state and this tool alone, in full precision, so that the
+  /// The tangent at a state with the tool at q. Its memory is used again for the next tangent once
+  /// nobody has it any more.
+  [[nodiscard]] std::shared_ptr<const CondensedTangent> tangent(const Eigen::VectorXd& q,
+                                                                const NodalVector& state);
+  /// Factorises a tangent. The factor that was not used for the longest time is replaced; null: the
+  /// tangent is singular. A linear body has one factor for all states, and if possible all tools
+  /// share the factor at rest. A factor depends on the scene, the tool and the state alone, so that
+  /// the same factor is made again.
+  [[nodiscard]] TangentFactor* factorise(const CondensedTangent& tangent);
+  /// As above, of the tangent at a state.
+  [[nodiscard]] TangentFactor* factorise(const Eigen::VectorXd& q, const NodalVector& state) {
+    return factorise(*tangent(q, state));
+  }
+  /// Factorises the tangent for its state and this tool alone, in full precision, so that the
   /// factor is not rough. It is valid until the next factorisation.
-  [[nodiscard]] TangentFactor* factorise_accurately(const Eigen::VectorXd& q,
-                                                    const NodalVector& state);
+  [[nodiscard]] TangentFactor* factorise_accurately(const CondensedTangent& tangent);
   void solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns);
-  /// Solves with the last tangent by iteration, see KrylovTangent::solve().
-  [[nodiscard]] SolveSummary solve(Eigen::Ref<Eigen::MatrixXd> columns, double tolerance);
-  /// Estimates the inertia of the last tangent by iteration.
-  [[nodiscard]] Inertia find_inertia();
+  /// Solves by iteration, see KrylovTangent::solve().
+  [[nodiscard]] SolveSummary solve(const CondensedTangent& tangent,
+                                   Eigen::Ref<Eigen::MatrixXd> columns, double tolerance);
+  /// Estimates the inertia by iteration.
+  [[nodiscard]] Inertia find_inertia(const CondensedTangent& tangent);
   /// The number of negative pivots besides the one that each pressure has.
   [[nodiscard]] int negative_pivots(const TangentFactor& factor) const;
-  /// K_ii x of the last tangent for each column x.
-  [[nodiscard]] Eigen::MatrixXd times_tangent(const Eigen::MatrixXd& columns) const;
-  /// ∂²Π/∂x_i∂q [unknowns × num_coordinates] and ∂²Π/∂q² of the last tangent.
-  [[nodiscard]] const Eigen::MatrixXd& mixed() const { return mixed_; }
-  [[nodiscard]] const Eigen::MatrixXd& of_coordinates() const { return of_coordinates_; }
-
-  /// An estimate of the 1-norm condition number of the last tangent. It takes a few solves.
-  [[nodiscard]] double condition(TangentFactor& factor) const;
+  /// K_ii x for each column x.
+  [[nodiscard]] Eigen::MatrixXd times(const CondensedTangent& tangent,
+                                      const Eigen::MatrixXd& columns) const;
+  /// An estimate of the 1-norm condition number of a tangent. It takes a few solves.
+  [[nodiscard]] double condition(const CondensedTangent& tangent, TangentFactor& factor) const;
 
  private:
+  /// Entries of coordinate_of_unknown_ that are no coordinates.
+  static constexpr Index kFree = -1;
+  static constexpr Index kIdle = -2;
+
   /// A value of the pattern that couples a held unknown with a free one.
   struct Coupling {
     Index position;
@@ -202,29 +245,40 @@ class CondensedSystem {
   [[nodiscard]] bool has_potential() const {
     return interaction_ != nullptr && interaction_->has_potential();
   }
-  /// Takes the solver and lets it analyse the pattern of the body.
+  /// Takes the solver and lets it analyse the pattern.
   void take_solver(std::unique_ptr<LinearSolver> solver);
+  /// Makes room for the pairs of points that the terms couple now.
+  void take_couplings();
+  /// Finds the places of the blocks of the terms.
+  /// @param couplings The pairs of each term.
+  void place_terms(std::vector<std::vector<PointPair>> couplings);
+  /// Prepares for a pattern that has grown. All factors are gone.
+  void analyse_anew();
+  /// Finds the values of the pattern that belong to unknowns which the tool holds.
+  void place_tool();
   void assemble(const NodalVector& state, std::vector<double>& values);
-  /// Adds the forces of the terms and, unless it is null, their second derivatives to `values`.
+  /// Adds the forces of the terms and, unless it is null, their second derivatives to `values`, on
+  /// the pattern of the materials.
   /// @returns Their energy, J.
-  double add_terms(const NodalVector& state, NodalVector& force, std::vector<double>* values);
-  /// Measures how stiff each unknown is at rest.
-  void measure_rest();
-  /// Adds the second derivatives of the tool's potential to the last tangent.
-  void add_potential(const Eigen::VectorXd& q, const NodalVector& state);
-  /// The position of an entry in the values of the pattern.
-  [[nodiscard]] Index position(Index row, Index column) const;
+  double add_terms(const NodalVector& state, NodalVector& force, std::vector<double>* values) const;
+  /// Measures how stiff each unknown is in the undeformed body.
+  void measure_stiffness();
+  /// Adds the second derivatives of the tool's potential.
+  void add_potential(CondensedTangent& tangent) const;
   /// Whether the tangent at a state equals that at rest.
   [[nodiscard]] bool is_as_at_rest(const Eigen::VectorXd& q, const NodalVector& state) const;
-  /// Prepares the rest factor for the present tool if possible, and tells whether it serves it. The
-  /// last tangent must be that at rest.
-  [[nodiscard]] bool shares_rest_factor();
-  /// An estimate of the relative error of solutions by the rest factor for the last tangent.
-  [[nodiscard]] double error_of_rest_factor();
+  /// Prepares the rest factor for the present tool if possible, and tells whether it serves it.
+  /// @param at_rest The tangent at rest.
+  [[nodiscard]] bool shares_rest_factor(const CondensedTangent& at_rest);
+  /// Makes the rest factor; it stays null if the body floats.
+  void make_rest_factor();
+  /// Forgets the rest factor, of which the solver is spared.
+  void drop_rest_factor();
+  /// An estimate of the relative error of solutions by the rest factor for the tangent at rest.
+  [[nodiscard]] double error_of_rest_factor(const CondensedTangent& at_rest);
   /// The precision of factors that are allowed to be rough.
   [[nodiscard]] Precision usual_precision();
-  [[nodiscard]] KeptFactor* factorise_alone(const Eigen::VectorXd& q, const NodalVector& state,
-                                            Precision precision);
+  [[nodiscard]] KeptFactor* factorise_alone(const CondensedTangent& tangent, Precision precision);
   [[nodiscard]] KeptFactor* find_kept_factor(const Eigen::VectorXd& q, const NodalVector& state);
   KeptFactor& factor_to_replace();
   /// Returns spare_solver_, and creates it if there is none.
@@ -232,12 +286,20 @@ class CondensedSystem {
   [[nodiscard]] std::vector<char> find_idle_multipliers() const;
 
   TetMesh mesh_;
-  std::vector<char> fixed_;
   std::vector<char> holding_points_;
   Assembly assembly_;
+  SystemPattern pattern_;
   DirectionConstraints constraints_;
   std::vector<const EnergyTerm*> terms_;
+  /// The places of the blocks of each term, and room for the blocks of one.
+  std::vector<PairPlaces> places_of_terms_;
+  std::vector<Mat3> blocks_;
+  /// Room for values on the pattern of the materials, if that of the system is larger.
+  std::vector<double> of_materials_;
   NodalVector rest_;
+  /// Whether rest_ is the rest with these terms.
+  bool is_settled_ = true;
+  std::optional<RestStability> rest_stability_{RestStability{}};
   std::size_t kept_factors_;
   /// The precision that was asked for, and whether the tangent at rest with nothing held is safe in
   /// single precision; empty: not known yet.
@@ -253,11 +315,14 @@ class CondensedSystem {
   std::unique_ptr<RestFactor> rest_factor_;
   /// The largest number of held unknowns for which the factor at rest is used.
   Index most_shared_ = 0;
+  /// The tangent at rest is singular if nothing is held.
+  bool body_floats_ = false;
   /// Whether the factor at rest serves the present tool; empty: not known yet.
   std::optional<bool> is_shared_;
   long uses_ = 0;
   Work work_;
-  /// The mean diagonal of the tangent at rest, N/m, and the reciprocal norms of its rows, m/N.
+  /// The mean diagonal of the tangent of the undeformed body, N/m, and the reciprocal norms of its
+  /// rows, m/N.
   double mean_diagonal_ = 0;
   Eigen::VectorXd inverse_row_norm_;
 
@@ -274,13 +339,12 @@ class CondensedSystem {
   std::vector<Index> idle_;
   std::vector<Index> idle_diagonal_;
 
-  /// The tangent at rest with nothing held, and the last one, condensed.
-  std::vector<double> rest_values_;
-  std::vector<double> values_;
+  /// The tangent of the undeformed body with nothing held.
+  std::vector<double> undeformed_;
+  /// The memory of the last tangent; null before the first.
+  std::shared_ptr<CondensedTangent> last_tangent_;
   /// In a linear body: the last tangent is that of the present tool.
   bool has_tangent_ = false;
-  Eigen::MatrixXd mixed_;
-  Eigen::MatrixXd of_coordinates_;
 };
 
 }  // namespace palpate

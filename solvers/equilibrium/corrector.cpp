@@ -72,7 +72,7 @@ double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::Ve
   const NodalVector direction = system.as_state(step);
   Iterate trial;
   double length = 1;
-  const double longest = system.interaction().longest_step();
+  const double longest = system.longest_step();
   if (std::isfinite(longest)) {
     const Eigen::Index displacements = 3 * Eigen::Index{system.assembly().num_points()};
     length = std::min(1.0, longest / direction.head(displacements).lpNorm<Eigen::Infinity>());
@@ -217,9 +217,8 @@ Correction correct_by_iteration(CondensedSystem& system, const EquilibriumOption
       forcing = std::clamp(forcing, kLeastForcing, kLargestForcing);
     }
     last_norm = iterate.norm;
-    system.assemble_tangent(t, iterate.state);
     Eigen::MatrixXd step = -iterate.r;
-    const SolveSummary summary = system.solve(step, forcing);
+    const SolveSummary summary = system.solve(*system.tangent(t, iterate.state), step, forcing);
     if (!(summary.residual <= kUseless)) return end(Outcome::tangent_not_solved);
     Eigen::VectorXd direction = step.col(0);
     double slope = direction.dot(iterate.r);

@@ -10,22 +10,30 @@ DirectionConstraints::DirectionConstraints(const Scene& scene, const Assembly& a
   if (scene.held_directions.empty()) return;
   const std::vector<Index>& unknown_of_point = assembly.unknown_of_point();
   of_point_.assign(scene.held_directions.size(), -1);
-  const SymmetricPattern& pattern = assembly.pattern();
-  const Index num_displacements = pattern.size - assembly.num_unknown_pressures();
-  /// The index in points_ of the point of each unknown.
-  std::vector<Index> of_unknown(static_cast<std::size_t>(num_displacements), -1);
+  num_displacements_ = assembly.pattern().size - assembly.num_unknown_pressures();
   for (Index p = 0; p < static_cast<Index>(of_point_.size()); ++p) {
     const Index unknown = unknown_of_point[p];
     if (unknown < 0 || scene.held_directions[p].isZero(0)) continue;
     of_point_[p] = static_cast<Index>(points_.size());
-    for (Index i = 0; i < 3; ++i) of_unknown[unknown + i] = of_point_[p];
     points_.push_back({p, unknown, projector(scene.held_directions[p]), 0});
   }
-  for (Index column = 0; column < num_displacements; column += 3) {
+  set_pattern(assembly.pattern());
+}
+
+void DirectionConstraints::set_pattern(const SymmetricPattern& pattern) {
+  if (points_.empty()) return;
+  blocks_.clear();
+  pressure_rows_.clear();
+  /// The index in points_ of the point of each unknown.
+  std::vector<Index> of_unknown(static_cast<std::size_t>(num_displacements_), -1);
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    for (Index c = 0; c < 3; ++c) of_unknown[points_[i].unknown + c] = static_cast<Index>(i);
+  }
+  for (Index column = 0; column < num_displacements_; column += 3) {
     const Index of_column = of_unknown[column];
     for (Index i = pattern.column_start[column]; i < pattern.column_start[column + 1]; ++i) {
       const Index row = pattern.row[i];
-      if (row >= num_displacements) {
+      if (row >= num_displacements_) {
         if (of_column < 0) continue;
         // A pressure has its row in all three columns of the point.
         pressure_rows_.push_back({of_column, block_positions(pattern, row, column)});

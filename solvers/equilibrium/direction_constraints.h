@@ -21,6 +21,9 @@ class DirectionConstraints {
   /// @param scene A scene that check() accepts.
   DirectionConstraints(const Scene& scene, const Assembly& assembly);
 
+  /// Sets the pattern of the values that are constrained. It is that of the assembly until then.
+  void set_pattern(const SymmetricPattern& pattern);
+
   [[nodiscard]] bool holds(Index point) const {
     return !of_point_.empty() && of_point_[point] >= 0;
   }
@@ -61,6 +64,8 @@ class DirectionConstraints {
   [[nodiscard]] Mat3 take(const Block& block, const std::vector<double>& values) const;
 
   std::vector<Point> points_;
+  /// The number of unknowns that are displacements.
+  Index num_displacements_ = 0;
   /// Index of each point in points_; −1: it is not held. Empty: no point is held.
   std::vector<Index> of_point_;
   std::vector<Block> blocks_;

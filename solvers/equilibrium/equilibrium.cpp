@@ -44,8 +44,9 @@ constexpr double kSensitivityErrorWithoutFactor = 1e-6;
 /// The largest number of points of a path within a solve; each takes two or three factorisations.
 constexpr int kMaxPathPoints = 150;
 
-/// The property names of the loads that act: BodyForce, AppliedPressure, AppliedTraction.
-std::string names_of_loads(const Scene& scene) {
+/// The names of the loads that act: the properties BodyForce, AppliedPressure, AppliedTraction, and
+/// further terms.
+std::string names_of_loads(const Scene& scene, const std::vector<const EnergyTerm*>& terms) {
   std::string names;
   const auto add = [&](bool is_there, const char* name) {
     if (is_there) names += (names.empty() ? "" : " and ") + std::string(name);
@@ -53,6 +54,7 @@ std::string names_of_loads(const Scene& scene) {
   add(scene.has_body_force(), "BodyForce");
   add(!scene.applied_pressure.empty(), "AppliedPressure");
   add(!scene.applied_traction.empty(), "AppliedTraction");
+  add(!terms.empty(), "further energies");
   return names;
 }
 
@@ -109,15 +111,17 @@ class EquilibriumSolver::Impl {
  public:
   /// @param scene, options They are valid.
   Impl(const Scene& scene, EquilibriumOptions options, std::unique_ptr<LinearSolver> solver,
-       std::unique_ptr<Team> team)
+       const std::vector<const EnergyTerm*>& terms, std::unique_ptr<Team> team)
       : options_(std::move(options)),
         team_(std::move(team)),
         system_(scene, std::move(solver), options_.kept_factors,
-                options_.single_precision ? Precision::single_if_safe : Precision::full),
+                options_.single_precision ? Precision::single_if_safe : Precision::full, terms),
         support_(scene.mesh, system_.holding_points()),
         rest_(NodalVector::Zero(system_.assembly().state_size())) {
     settled_.outcome = Outcome::converged;
-    if (scene.has_load() || !scene.support_stiffness.empty()) set_external(scene);
+    if (scene.has_load() || !scene.support_stiffness.empty() || !terms.empty()) {
+      set_external(scene, terms);
+    }
   }
 
   /// Null: there is one thread.
@@ -156,8 +160,8 @@ class EquilibriumSolver::Impl {
   };
 
   void begin();
-  /// Finds the rest of the body under its loads and springs.
-  void set_external(const Scene& scene);
+  /// Finds the rest of the body under its loads and springs and with further terms.
+  void set_external(const Scene& scene, const std::vector<const EnergyTerm*>& terms);
   void require_coordinates(const Eigen::VectorXd& t) const;
   [[nodiscard]] Outcome interruption() const;
   /// Tries a step from progress, and gives the equilibrium at next_t that it leads to.
@@ -236,13 +240,17 @@ Outcome EquilibriumSolver::Impl::interruption() const {
   return Outcome::converged;
 }
 
-void EquilibriumSolver::Impl::set_external(const Scene& scene) {
+void EquilibriumSolver::Impl::set_external(const Scene& scene,
+                                           const std::vector<const EnergyTerm*>& terms) {
   begin();
   const Assembly& assembly = system_.assembly();
   external_.emplace(scene, assembly);
-  system_.set_terms({&*external_});
+  std::vector<const EnergyTerm*> all{&*external_};
+  all.insert(all.end(), terms.begin(), terms.end());
+  system_.set_terms(std::move(all));
   system_.set_interaction(InteractionList());
-  if (!scene.has_load()) {
+  if (!scene.has_load() && terms.empty()) {
+    system_.set_rest(rest_);
     rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_).energy;
     return;
   }
@@ -258,13 +266,15 @@ void EquilibriumSolver::Impl::set_external(const Scene& scene) {
   NodalVector force;
   const double of_materials = assembly.residual(rest_, force).energy;
   const double of_external = external_->add(rest_, force, nullptr);
-  energies_at_rest_ = std::abs(of_materials) + std::abs(of_external);
-  external_->count_from(rest_, of_materials);
+  double of_terms = 0;
+  for (const EnergyTerm* term : terms) of_terms += term->add(rest_, force, nullptr);
+  energies_at_rest_ = std::abs(of_materials) + std::abs(of_external) + std::abs(of_terms);
+  external_->count_from(rest_, of_materials + of_terms);
   rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_).energy;
   Equilibrium& state = settled_;
   state.u = rest_.head(3 * Eigen::Index{assembly.num_points()});
   state.p = rest_.tail(assembly.num_pressures()).cwiseProduct(system_.pressure_scale());
-  state.energy = of_materials + of_external;
+  state.energy = of_materials + of_external + of_terms;
   state.outcome = end.outcome;
   state.residual = end.residual;
   state.iterations = end.iterations;
@@ -276,7 +286,7 @@ void EquilibriumSolver::Impl::set_external(const Scene& scene) {
       return;
     }
     std::ostringstream text;
-    text << "The body finds no rest under its load, " << names_of_loads(scene) << ": "
+    text << "The body finds no rest under its load, " << names_of_loads(scene, terms) << ": "
          << describe(end) << ". Make the load smaller or the body stiffer, or fix more of it"
          << advise_finer_quadrature(assembly) << '.';
     state.message = text.str();
@@ -503,7 +513,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   progress.state = start;
   // Lengths are powers of two, so that the last step ends at exactly 1.
   double longest_stride = 1;
-  const double longest_step = system_.interaction().longest_step();
+  const double longest_step = system_.longest_step();
   while (longest_stride * way.lpNorm<Eigen::Infinity>() > longest_step) longest_stride *= 0.5;
   double stride = longest_stride;
   Outcome outcome = Outcome::converged;
@@ -619,18 +629,21 @@ Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium&
 
 double EquilibriumSolver::Impl::condition(const Equilibrium& state) {
   require_factor("The condition number");
-  TangentFactor* factor = system_.factorise_accurately(state.t, system_.vector_of(state));
-  return factor == nullptr ? std::numeric_limits<double>::infinity() : system_.condition(*factor);
+  const auto tangent = system_.tangent(state.t, system_.vector_of(state));
+  TangentFactor* factor = system_.factorise_accurately(*tangent);
+  return factor == nullptr ? std::numeric_limits<double>::infinity()
+                           : system_.condition(*tangent, *factor);
 }
 
 EquilibriumSolver::EquilibriumSolver(const Scene& scene, EquilibriumOptions options,
-                                     std::unique_ptr<LinearSolver> linear_solver) {
+                                     std::unique_ptr<LinearSolver> linear_solver,
+                                     const std::vector<const EnergyTerm*>& terms) {
   validate(options);
   const Scene sound = checked(scene);
   std::unique_ptr<Team> team =
       linear_solver == nullptr ? make_thread_team(options.threads) : nullptr;
   with_team(team.get(), [&] {
-    impl_ = std::make_unique<Impl>(sound, std::move(options), std::move(linear_solver),
+    impl_ = std::make_unique<Impl>(sound, std::move(options), std::move(linear_solver), terms,
                                    std::move(team));
   });
 }

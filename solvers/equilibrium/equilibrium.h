@@ -28,7 +28,9 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "assembly/energy_term.h"
 #include "equilibrium/options.h"
 #include "equilibrium/path.h"
 #include "equilibrium/state.h"
@@ -56,11 +58,15 @@ class EquilibriumSolver {
   /// @param linear_solver Null: tangents are solved for by iteration, which needs little memory and
   ///   a time proportional to the size of the body. Paths around folds cannot be followed then, and
   ///   of the inertia only the sign of the lowest eigenvalue is known.
+  /// @param terms Energies besides those of the materials, loads and springs of the scene. They
+  /// must
+  ///   outlive this object.
   /// @throws InputError an invalid scene or option; an incompressible law with a linear solver that
   ///   cannot factorise it; or a body with pressures without a linear solver. If a body finds no
   ///   rest under its loads, settled() tells so.
   EquilibriumSolver(const Scene& scene, EquilibriumOptions options,
-                    std::unique_ptr<LinearSolver> linear_solver = make_linear_solver());
+                    std::unique_ptr<LinearSolver> linear_solver = make_linear_solver(),
+                    const std::vector<const EnergyTerm*>& terms = {});
   ~EquilibriumSolver();
   EquilibriumSolver(EquilibriumSolver&&) noexcept;
   EquilibriumSolver& operator=(EquilibriumSolver&&) noexcept;
@@ -75,10 +81,10 @@ class EquilibriumSolver {
   ///   a direction, or is named twice.
   void set_interaction(const Interaction& interaction);
 
-  /// The rest of a body under loads (Scene::has_load()), without a tool. Only u, p, outcome,
-  /// residual, iterations, message and the energy, counted from the undeformed body, are set.
-  /// Solves start from this state. The energy, and the coordinates of a tool that prescribes
-  /// points, count from it. Without a load it has converged, with empty u and p.
+  /// The rest of a body under loads (Scene::has_load()) or with terms, without a tool. Only u, p,
+  /// outcome, residual, iterations, message and the energy, counted from the undeformed body, are
+  /// set. Solves start from this state. The energy, and the coordinates of a tool that prescribes
+  /// points, count from it. Without a load and terms it has converged, with empty u and p.
   [[nodiscard]] const Equilibrium& settled() const;
 
   /// The body at rest (u = 0 without a load) with its sensitivity and stiffness, the tool at t [d],

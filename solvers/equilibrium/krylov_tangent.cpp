@@ -28,6 +28,7 @@ constexpr int kMostTurned = 12;
 }  // namespace
 
 KrylovTangent::KrylovTangent(const TetMesh& mesh, const Assembly& assembly,
+                             const SymmetricPattern& pattern,
                              const std::vector<double>& rest_values)
     : levels_(make_node_levels(mesh, assembly.unknown_of_point())), rest_values_(rest_values) {
   if (assembly.num_pressures() > 0) {
@@ -36,9 +37,9 @@ KrylovTangent::KrylovTangent(const TetMesh& mesh, const Assembly& assembly,
         "gradients cannot solve for. Choose the linear solver MUMPS, or Displacement as the "
         "Formulation of the material.");
   }
-  pattern_ = std::make_shared<const BlockPattern>(make_block_pattern(assembly.pattern()));
-  max_iterations_ = std::clamp(kMostTimesUnknowns / std::max(assembly.pattern().size, 1),
-                               kUsualMostIterations, kMostIterations);
+  pattern_ = std::make_shared<const BlockPattern>(make_block_pattern(pattern));
+  max_iterations_ = std::clamp(kMostTimesUnknowns / std::max(pattern.size, 1), kUsualMostIterations,
+                               kMostIterations);
   held_.assign(static_cast<std::size_t>(pattern_->num_nodes), 0);
 }
 

@@ -23,9 +23,10 @@ namespace palpate {
 
 class KrylovTangent {
  public:
-  /// @param rest_values The tangent at rest with nothing held.
+  /// @param pattern The pattern of the tangents.
+  /// @param rest_values The tangent at rest with nothing held. They must outlive this object.
   /// @throws InputError the body has pressures.
-  KrylovTangent(const TetMesh& mesh, const Assembly& assembly,
+  KrylovTangent(const TetMesh& mesh, const Assembly& assembly, const SymmetricPattern& pattern,
                 const std::vector<double>& rest_values);
 
   /// Sets the unknowns that a tool holds.
@@ -37,6 +38,8 @@ class KrylovTangent {
 
   /// Takes a tangent. The values must outlive their use.
   void take(const std::vector<double>& values);
+  /// Whether these values are those that were taken last.
+  [[nodiscard]] bool has(const std::vector<double>& values) const { return values_ == &values; }
 
   /// Overwrites each column with the solution for it, by the tangent that was taken.
   /// @param tolerance Residual of each column, as a share of its right-hand side.

@@ -57,7 +57,8 @@ void take_stiffness(const Eigen::MatrixXd& k, LinearisedState& state) {
   state.stiffness = 0.5 * (k + k.transpose());
 }
 
-/// The linearisation of the body at rest with a tool that does not touch it.
+/// The linearisation of the body at rest with a tool that does not touch it. The system knows the
+/// stability of the rest.
 Linearisation at_rest_alone(const CondensedSystem& system, const Eigen::VectorXd& t,
                             const NodalVector& x) {
   const Assembly& assembly = system.assembly();
@@ -70,7 +71,11 @@ Linearisation at_rest_alone(const CondensedSystem& system, const Eigen::VectorXd
   state.p_v.setZero(assembly.num_pressures(), coordinates);
   state.reaction.setZero(coordinates);
   state.stiffness.setZero(coordinates, coordinates);
-  state.flags |= flags::touches_nothing;
+  const RestStability& stability = *system.rest_stability();
+  state.negative_pivots = stability.negative_pivots;
+  state.lowest_eigenvalue = stability.lowest_eigenvalue;
+  state.displacement_error = stability.displacement_error;
+  state.flags |= flags::touches_nothing | stability.flags;
   result.newton_step.setZero(assembly.state_size());
   return result;
 }
@@ -86,20 +91,34 @@ constexpr int kMaxRefinements = 4;
 /// The allowed relative residual of a Newton step, of which only the length counts.
 constexpr double kNewtonStepError = 1e-2;
 
-/// Does a step of refinement of v, with a factor of the last tangent.
-Eigen::MatrixXd refine_once(CondensedSystem& system, TangentFactor& factor,
-                            Eigen::Ref<Eigen::MatrixXd> v) {
-  Eigen::MatrixXd step = -system.mixed() - system.times_tangent(v);
+/// −∂²Π/∂x_i∂q − K_ii v.
+Eigen::MatrixXd residual_of(const CondensedSystem& system, const CondensedTangent& tangent,
+                            const Eigen::MatrixXd& v) {
+  return -tangent.mixed - system.times(tangent, v);
+}
+
+/// k by the functional that is stationary in v.
+void take_stiffness(const CondensedTangent& tangent, const Eigen::MatrixXd& v,
+                    const Eigen::MatrixXd& residual, LinearisedState& state) {
+  take_stiffness(tangent.of_coordinates + tangent.mixed.transpose() * v - v.transpose() * residual,
+                 state);
+}
+
+/// Does a step of refinement of v, with a factor of the tangent.
+Eigen::MatrixXd refine_once(CondensedSystem& system, const CondensedTangent& tangent,
+                            TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> v) {
+  Eigen::MatrixXd step = residual_of(system, tangent, v);
   system.solve(factor, step);
   v += step;
   return step;
 }
 
-/// Refines v, which comes from a rough factor of the last tangent.
+/// Refines v, which comes from a rough factor of the tangent.
 /// @returns false: the factor is not good enough.
-bool refine(CondensedSystem& system, TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> v) {
+bool refine(CondensedSystem& system, const CondensedTangent& tangent, TangentFactor& factor,
+            Eigen::Ref<Eigen::MatrixXd> v) {
   for (int i = 0; i < kMaxRefinements; ++i) {
-    const Eigen::MatrixXd step = refine_once(system, factor, v);
+    const Eigen::MatrixXd step = refine_once(system, tangent, factor, v);
     if ((step.colwise().norm().array() <= kLastRefinement * v.colwise().norm().array()).all()) {
       return true;
     }
@@ -107,12 +126,10 @@ bool refine(CondensedSystem& system, TangentFactor& factor, Eigen::Ref<Eigen::Ma
   return false;
 }
 
-}  // namespace
-
-std::optional<Linearisation> linearise(CondensedSystem& system, const Eigen::VectorXd& t,
-                                       const NodalVector& x) {
-  if (system.feels_nothing(t, x)) return at_rest_alone(system, t, x);
-  TangentFactor* factor = system.factorise(t, x);
+std::optional<Linearisation> linearise_with_factor(CondensedSystem& system,
+                                                   const Eigen::VectorXd& t, const NodalVector& x) {
+  const auto tangent = system.tangent(t, x);
+  TangentFactor* factor = system.factorise(*tangent);
   if (factor == nullptr) return std::nullopt;
   const Eigen::Index coordinates = system.num_coordinates();
 
@@ -124,12 +141,12 @@ std::optional<Linearisation> linearise(CondensedSystem& system, const Eigen::Vec
   state.reaction = system.reaction(at);
   const Eigen::VectorXd r = system.residual(at);
   Eigen::MatrixXd solutions(r.size(), coordinates + 1);
-  solutions << system.mixed(), r;
+  solutions << tangent->mixed, r;
   solutions = -solutions;
   const Eigen::MatrixXd right_hand_sides = solutions;
   system.solve(*factor, solutions);
-  if (factor->is_rough() && !refine(system, *factor, solutions.leftCols(coordinates))) {
-    factor = system.factorise_accurately(t, x);
+  if (factor->is_rough() && !refine(system, *tangent, *factor, solutions.leftCols(coordinates))) {
+    factor = system.factorise_accurately(*tangent);
     if (factor == nullptr) return std::nullopt;
     solutions = right_hand_sides;
     system.solve(*factor, solutions);
@@ -140,15 +157,83 @@ std::optional<Linearisation> linearise(CondensedSystem& system, const Eigen::Vec
   state.displacement_error = error_of(system, result.newton_step, t);
   if (system.is_linear()) {
     // All displacements are multiples of v, so its error counts.
-    const Eigen::MatrixXd error = refine_once(system, *factor, v_i);
+    const Eigen::MatrixXd error = refine_once(system, *tangent, *factor, v_i);
     state.displacement_error =
         std::max(state.displacement_error, error.rowwise().lpNorm<1>().maxCoeff());
   }
-  take_stiffness(system.of_coordinates() + system.mixed().transpose() * v_i, state);
+  take_stiffness(tangent->of_coordinates + tangent->mixed.transpose() * v_i, state);
   take_sensitivity(system, v_i, state);
   take_vector(system, x, state);
   take_inertia(system.negative_pivots(*factor), state);
   return result;
+}
+
+/// Linearises by iteration; for the arguments see linearise_without_factor().
+std::optional<Linearisation> linearise_by_krylov(CondensedSystem& system, const Eigen::VectorXd& t,
+                                                 const NodalVector& x, double error,
+                                                 InertiaSearch search) {
+  const auto tangent = system.tangent(t, x);
+  Linearisation result;
+  LinearisedState& state = result.state;
+  state.t = t;
+  const Evaluation at = system.evaluate(t, x);
+  state.energy = at.energy;
+  state.reaction = system.reaction(at);
+  Eigen::MatrixXd v = -tangent->mixed;
+  if (system.solve(*tangent, v, error).status != SolveStatus::converged) return std::nullopt;
+  const Eigen::VectorXd r = system.residual(at);
+  Eigen::MatrixXd step = -r;
+  if (system.solve(*tangent, step, kNewtonStepError).status == SolveStatus::not_finite)
+    return std::nullopt;
+  result.newton_step = system.as_state(step.col(0));
+  state.displacement_error = error_of(system, result.newton_step, t);
+  Eigen::MatrixXd residual = residual_of(system, *tangent, v);
+  if (system.is_linear()) {
+    // All displacements are multiples of v, so its error counts.
+    Eigen::MatrixXd refinement = residual;
+    if (system.solve(*tangent, refinement, error).status != SolveStatus::converged)
+      return std::nullopt;
+    v += refinement;
+    state.displacement_error =
+        std::max(state.displacement_error, error * refinement.rowwise().lpNorm<1>().maxCoeff());
+    residual = residual_of(system, *tangent, v);
+  }
+  take_stiffness(*tangent, v, residual, state);
+  take_sensitivity(system, v, state);
+  take_vector(system, x, state);
+  if (search == InertiaSearch::none) {
+    state.flags |= flags::inertia_not_computed;
+    return result;
+  }
+  const Inertia inertia = system.find_inertia(*tangent);
+  take_inertia(inertia.num_negative, state);
+  state.lowest_eigenvalue = inertia.lowest_eigenvalue;
+  if (inertia.knowledge == Inertia::Knowledge::unknown) state.flags |= flags::inertia_not_computed;
+  return result;
+}
+
+/// Linearises by find(is_at_rest), or by what is known of the rest where the tool touches nothing.
+template <class Find>
+std::optional<Linearisation> linearise_by(const Find& find, CondensedSystem& system,
+                                          const Eigen::VectorXd& t, const NodalVector& x) {
+  if (!system.feels_nothing(t, x)) return find(false);
+  if (!system.rest_stability()) {
+    const std::optional<Linearisation> at_rest = find(true);
+    if (!at_rest) return std::nullopt;
+    const LinearisedState& state = at_rest->state;
+    system.set_rest_stability({state.negative_pivots, state.lowest_eigenvalue,
+                               state.displacement_error,
+                               state.flags & (flags::unstable | flags::inertia_not_computed)});
+  }
+  return at_rest_alone(system, t, x);
+}
+
+}  // namespace
+
+std::optional<Linearisation> linearise(CondensedSystem& system, const Eigen::VectorXd& t,
+                                       const NodalVector& x) {
+  return linearise_by([&](bool /*is_at_rest*/) { return linearise_with_factor(system, t, x); },
+                      system, t, x);
 }
 
 LinearisedState superpose(CondensedSystem& system, const LinearisedState& start,
@@ -183,14 +268,14 @@ std::optional<LinearisedState> linearise_by_iteration(
   };
   LinearisedState state;
   state.t = t;
-  system.assemble_tangent(t, x);
+  const auto tangent = system.tangent(t, x);
   const Evaluation at = system.evaluate(t, x);
   state.energy = at.energy;
   state.reaction = system.reaction(at);
   const Eigen::Index coordinates = system.num_coordinates();
-  Eigen::MatrixXd v(system.mixed().rows(), coordinates);
+  Eigen::MatrixXd v(tangent->mixed.rows(), coordinates);
   for (Eigen::Index c = 0; c < coordinates; ++c) v.col(c) = system.as_unknowns(start.v.col(c));
-  Eigen::MatrixXd residual = -system.mixed() - system.times_tangent(v);
+  Eigen::MatrixXd residual = residual_of(system, *tangent, v);
   const Eigen::VectorXd r = system.residual(at);
 
   Eigen::MatrixXd z(r.size(), coordinates + 1);
@@ -207,7 +292,7 @@ std::optional<LinearisedState> linearise_by_iteration(
   };
   for (int i = 0; !is_done(); ++i) {
     if (i == kMaxGradientSteps) return std::nullopt;
-    const Eigen::MatrixXd q = system.times_tangent(p);
+    const Eigen::MatrixXd q = system.times(*tangent, p);
     const Eigen::RowVectorXd curvature = p.cwiseProduct(q).colwise().sum();
     if (!(curvature.array() > 0).all()) return std::nullopt;
     const Eigen::RowVectorXd alpha = rho.cwiseQuotient(curvature);
@@ -219,8 +304,7 @@ std::optional<LinearisedState> linearise_by_iteration(
     p = z + p * next_rho.cwiseQuotient(rho).asDiagonal();
     rho = next_rho;
   }
-  take_stiffness(
-      system.of_coordinates() + system.mixed().transpose() * v - v.transpose() * residual, state);
+  take_stiffness(*tangent, v, residual, state);
   take_sensitivity(system, v, state);
   take_vector(system, x, state);
   state.negative_pivots = 0;
@@ -232,44 +316,11 @@ std::optional<Linearisation> linearise_without_factor(CondensedSystem& system,
                                                       const Eigen::VectorXd& t,
                                                       const NodalVector& x, double error,
                                                       InertiaSearch search) {
-  if (system.feels_nothing(t, x)) return at_rest_alone(system, t, x);
-  system.assemble_tangent(t, x);
-  Linearisation result;
-  LinearisedState& state = result.state;
-  state.t = t;
-  const Evaluation at = system.evaluate(t, x);
-  state.energy = at.energy;
-  state.reaction = system.reaction(at);
-  Eigen::MatrixXd v = -system.mixed();
-  if (system.solve(v, error).status != SolveStatus::converged) return std::nullopt;
-  const Eigen::VectorXd r = system.residual(at);
-  Eigen::MatrixXd step = -r;
-  if (system.solve(step, kNewtonStepError).status == SolveStatus::not_finite) return std::nullopt;
-  result.newton_step = system.as_state(step.col(0));
-  state.displacement_error = error_of(system, result.newton_step, t);
-  Eigen::MatrixXd residual = -system.mixed() - system.times_tangent(v);
-  if (system.is_linear()) {
-    // All displacements are multiples of v, so its error counts.
-    Eigen::MatrixXd refinement = residual;
-    if (system.solve(refinement, error).status != SolveStatus::converged) return std::nullopt;
-    v += refinement;
-    state.displacement_error =
-        std::max(state.displacement_error, error * refinement.rowwise().lpNorm<1>().maxCoeff());
-    residual = -system.mixed() - system.times_tangent(v);
-  }
-  take_stiffness(
-      system.of_coordinates() + system.mixed().transpose() * v - v.transpose() * residual, state);
-  take_sensitivity(system, v, state);
-  take_vector(system, x, state);
-  if (search == InertiaSearch::none) {
-    state.flags |= flags::inertia_not_computed;
-    return result;
-  }
-  const Inertia inertia = system.find_inertia();
-  take_inertia(inertia.num_negative, state);
-  state.lowest_eigenvalue = inertia.lowest_eigenvalue;
-  if (inertia.knowledge == Inertia::Knowledge::unknown) state.flags |= flags::inertia_not_computed;
-  return result;
+  const auto find = [&](bool is_at_rest) {
+    return linearise_by_krylov(system, t, x, error,
+                               is_at_rest ? InertiaSearch::lowest_eigenvalue : search);
+  };
+  return linearise_by(find, system, t, x);
 }
 
 }  // namespace palpate

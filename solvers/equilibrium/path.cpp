@@ -156,9 +156,10 @@ class Follower {
       if (residual <= options_.tolerance) return true;
       if (!std::isfinite(norm) || i == kMaxStepIterations) return false;
       if (factor == nullptr || (i > 0 && norm > kContraction * last_norm)) {
-        factor = system_.factorise(t, point.x);
+        const auto tangent = system_.tangent(t, point.x);
+        factor = system_.factorise(*tangent);
         if (factor == nullptr) return false;
-        Eigen::VectorXd w = -system_.mixed() * (target_ - t_0_);
+        Eigen::VectorXd w = -tangent->mixed * (target_ - t_0_);
         system_.solve(*factor, w);
         along = system_.as_state(w);
         system_.prescribe_change(target_ - t_0_, along);

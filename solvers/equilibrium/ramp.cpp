@@ -26,8 +26,7 @@ LinearisedState state_at(const CondensedSystem& system, const Eigen::VectorXd& q
 /// Whether the equilibrium x is stable.
 bool is_stable(CondensedSystem& system, const Eigen::VectorXd& q, const NodalVector& x) {
   if (system.is_iterative()) {
-    system.assemble_tangent(q, x);
-    return system.find_inertia().num_negative == 0;
+    return system.find_inertia(*system.tangent(q, x)).num_negative == 0;
   }
   const TangentFactor* factor = system.factorise(q, x);
   return factor != nullptr && system.negative_pivots(*factor) == 0;

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "base/types.h"
@@ -32,6 +33,8 @@ class RestFactor final : public TangentFactor {
       : solver_(std::move(solver)), num_unknowns_(num_unknowns) {}
 
   [[nodiscard]] LinearSolver& solver() { return *solver_; }
+  /// Gives the solver away, and with it the factor.
+  [[nodiscard]] std::unique_ptr<LinearSolver> release() { return std::move(solver_); }
 
   /// Chooses the unknowns that are held, maybe none. This takes a solve for each.
   void hold(std::vector<Index> unknowns);

@@ -98,7 +98,7 @@ void measure_factor(const Scene& scene, const Assembly& body, LinearSolver& whol
 
 void measure_iteration(const Scene& scene, const Assembly& body, const std::vector<double>& values,
                        SolveCost& cost) {
-  KrylovTangent tangent(scene.mesh, body, values);
+  KrylovTangent tangent(scene.mesh, body, body.pattern(), values);
   tangent.take(values);
   Eigen::MatrixXd columns(body.pattern().size, 3);
   for (Eigen::Index i = 0; i < columns.size(); ++i) columns(i) = static_cast<double>(i % 7) - 3;

@@ -22,7 +22,7 @@ bool is_solved_well(const Scene& scene) {
   NodalVector force;
   std::vector<double> values;
   assembly.tangent(NodalVector::Zero(assembly.state_size()), force, values);
-  KrylovTangent tangent(scene.mesh, assembly, values);
+  KrylovTangent tangent(scene.mesh, assembly, assembly.pattern(), values);
   tangent.take(values);
   Eigen::MatrixXd column = Eigen::MatrixXd::Ones(assembly.pattern().size, 1);
   const SolveSummary summary = tangent.solve(column, kTrialError);

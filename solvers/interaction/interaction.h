@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "assembly/point_pair.h"
 #include "base/types.h"
 #include "interaction/pose_map.h"
 
@@ -32,7 +33,7 @@ struct PrescribedPoint {
 
 /// The second derivatives of a potential.
 struct PotentialHessian {
-  /// ∂²Φ/∂u_a∂u_b of two points a and b of one cell, N/m.
+  /// ∂²Φ/∂u_a∂u_b of two points a and b of one cell or of one of Interaction::couplings(), N/m.
   struct OfPoints {
     Index a = 0;
     Index b = 0;
@@ -86,6 +87,8 @@ class Interaction {
                                          NodalVector& /*force*/, Eigen::VectorXd& /*of_q*/) const {
     return 0;
   }
+  /// The pairs of points that ∂²Φ/∂u² may couple besides those of one cell.
+  [[nodiscard]] virtual std::vector<PointPair> couplings() const { return {}; }
   /// Adds the second derivatives.
   virtual void add_hessian(const Eigen::VectorXd& /*q*/, const NodalVector& /*state*/,
                            PotentialHessian& /*hessian*/) const {}

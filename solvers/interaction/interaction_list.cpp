@@ -127,6 +127,15 @@ double InteractionList::potential(const Eigen::VectorXd& q, const NodalVector& s
   return sum;
 }
 
+std::vector<PointPair> InteractionList::couplings() const {
+  std::vector<PointPair> all;
+  for (const auto& tool : tools_) {
+    const std::vector<PointPair> of_tool = tool->couplings();
+    all.insert(all.end(), of_tool.begin(), of_tool.end());
+  }
+  return all;
+}
+
 void InteractionList::add_hessian(const Eigen::VectorXd& q, const NodalVector& state,
                                   PotentialHessian& hessian) const {
   for_each_tool(tools_, [&](const Interaction& tool, Index first) {

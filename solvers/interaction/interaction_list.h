@@ -35,6 +35,7 @@ class InteractionList final : public Interaction {
   [[nodiscard]] bool has_potential() const override;
   [[nodiscard]] double potential(const Eigen::VectorXd& q, const NodalVector& state,
                                  NodalVector& force, Eigen::VectorXd& of_q) const override;
+  [[nodiscard]] std::vector<PointPair> couplings() const override;
   void add_hessian(const Eigen::VectorXd& q, const NodalVector& state,
                    PotentialHessian& hessian) const override;
 

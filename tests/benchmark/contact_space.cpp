@@ -225,13 +225,13 @@ class PlainNewton {
     constexpr int kMostIterations = 40;
     const double scale = system_.displacement_scale(t);
     for (int i = 0; i < kMostIterations; ++i) {
-      const double energy = system_.evaluate(t, x);
-      Eigen::VectorXd r;
-      system_.residual(r);
-      TangentFactor* factor = system_.factorise(t, x);
+      const Evaluation at = system_.evaluate(t, x);
+      const Eigen::VectorXd r = system_.residual(at);
+      const auto tangent = system_.tangent(t, x);
+      TangentFactor* factor = system_.factorise(*tangent);
       if (factor == nullptr) return false;
       if (system_.norm(r) <= EquilibriumOptions{}.tolerance * scale) {
-        Eigen::MatrixXd v = -system_.mixed();
+        Eigen::MatrixXd v = -tangent->mixed;
         system_.solve(*factor, v);
         return v.allFinite();
       }
@@ -239,8 +239,8 @@ class PlainNewton {
       system_.solve(*factor, step);
       const NodalVector way = system_.as_state(step.col(0));
       double length =
-          std::min(1.0, system_.interaction().longest_step() / way.lpNorm<Eigen::Infinity>());
-      while (!(system_.evaluate(t, x + length * way) <= energy * (1 + 1e-11))) {
+          std::min(1.0, system_.longest_step() / way.lpNorm<Eigen::Infinity>());
+      while (!(system_.evaluate(t, x + length * way).energy <= at.energy * (1 + 1e-11))) {
         length *= 0.5;
         if (length < 1e-4) return false;
       }

@@ -15,6 +15,7 @@
 #include "interaction/rigid_tool.h"
 #include "solvers/support/block.h"
 #include "solvers/support/box_mesh.h"
+#include "solvers/support/far_springs.h"
 #include "solvers/support/laws.h"
 #include "solvers/support/message_of.h"
 #include "solvers/support/sectors.h"
@@ -347,6 +348,49 @@ TEST(Cube, CreepsUnderItsWeightAsKelvinAndVoigtSay) {
         return true;
       });
   EXPECT_EQ(end.outcome, Outcome::converged) << end.message;
+}
+
+// From a fixed corner to the far end: points that share no cell.
+TEST(SpringAcrossTheBody, PullsItToItsRestAndSwingsWithIt) {
+  const test::Block block =
+      test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 1, 1}});
+  const auto& points = block.scene.mesh.points;
+  Index fixed = 0;
+  while (block.scene.fixed[fixed] == 0 || points[fixed].z() > 1e-9) ++fixed;
+  test::FarSprings springs(block.scene.mesh);
+  springs.add_spring({fixed, block.corner, 5, 0.7 * (points[block.corner] - points[fixed]).norm()});
+  springs.add_spring({block.middle, fixed, 3, 0.9 * (points[block.middle] - points[fixed]).norm()});
+  springs.set_spare_pairs({{block.corner, block.middle}});
+  DynamicsOptions options;
+  options.integrator = TimeIntegrator::generalised_alpha;
+  options.spectral_radius = 1;
+  options.time_step = 5e-4;
+  options.equilibrium.tolerance = 1e-12;
+  DynamicSolver solver(block.scene, {dense_rheology()}, BondedPatch({block.corner}), options,
+                       make_linear_solver(), {&springs});
+  const EquilibriumSolver at_rest(block.scene, {}, make_linear_solver(), {&springs});
+  const NodalVector& rest = at_rest.settled().u;
+  ASSERT_GT(rest.lpNorm<Eigen::Infinity>(), 1e-4);
+  ToolPath path =
+      path_along(Vec3(0, 1, 0), 0.1, 101, [](double t) { return 0.01 * std::sin(60 * t); });
+  double at_start = 0;
+  double largest_work = 0;
+  double largest_error = 0;
+  const DynamicState end = solver.run(path, 0.1, [&](const DynamicState& state) {
+    const EnergyAccount& of = state.energy;
+    const double sum = of.kinetic + of.elastic - of.work;
+    if (state.motion.time == 0) {
+      at_start = sum;
+      EXPECT_LT((state.motion.u - rest).norm(), 1e-7 * rest.norm());
+    }
+    largest_work = std::max(largest_work, of.work);
+    largest_error = std::max(largest_error, std::abs(sum - at_start));
+    return true;
+  });
+  ASSERT_EQ(end.outcome, Outcome::converged) << end.message;
+  EXPECT_GT(largest_work, 1e-4);
+  EXPECT_LT(largest_error, 5e-3 * largest_work);
+  EXPECT_EQ(solver.work().analyses, 1);
 }
 
 class Balance : public testing::TestWithParam<std::tuple<Law, TimeIntegrator>> {};

@@ -186,8 +186,8 @@ TEST(WithoutFactor, AColumnThatShouldBuckleIsToldUnstable) {
 /// What is known of the inertia at an equilibrium without a factor, beside that of a factor.
 void expect_same_inertia(CondensedSystem& without_factor, const Equilibrium& exact) {
   without_factor.begin_solve();
-  without_factor.assemble_tangent(exact.t, without_factor.vector_of(exact));
-  const Inertia inertia = without_factor.find_inertia();
+  const Inertia inertia = without_factor.find_inertia(
+      *without_factor.tangent(exact.t, without_factor.vector_of(exact)));
   ASSERT_EQ(inertia.knowledge, Inertia::Knowledge::at_least);
   EXPECT_EQ(inertia.num_negative > 0, exact.negative_pivots > 0);
   EXPECT_LE(inertia.num_negative, exact.negative_pivots);

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "assembly/assembly.h"
+#include "dynamics/dynamic_solver.h"
+
+namespace palpate {
+
+/// What is notable about the states of a run that goes on.
+class RunNotes {
+ public:
+  void add(const DynamicState& state);
+  /// Tells what was notable; empty: nothing was.
+  /// @param shortest The shortest step that is permitted, s.
+  [[nodiscard]] std::string describe(const TetMesh& mesh, const Assembly& assembly,
+                                     double shortest) const;
+
+ private:
+  int num_states_ = 0;
+  /// The number of states with inverted cells; and time, least det F and cell of the worst of them.
+  int num_inverted_ = 0;
+  double worst_time_ = 0;
+  double worst_det_f_ = 0;
+  Index worst_cell_ = -1;
+  /// The number of steps that are less accurate than was asked for, and the end of the first of
+  /// them, s.
+  int num_inaccurate_ = 0;
+  double first_inaccurate_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The pattern of the tangent of a body with all that acts on it: the union of that of the materials
+// with the pairs of points that energy terms and tools couple.
+//
+// It grows when a pair comes that it has no room for, and never shrinks: a term whose pairs change
+// from one configuration to the next is analysed anew only where it goes beyond all pairs that were
+// there before. As long as nothing is added, it is the pattern of the materials itself, and their
+// values need no map.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "assembly/assembly.h"
+#include "assembly/point_pair.h"
+
+namespace palpate {
+
+class SystemPattern {
+ public:
+  /// @param assembly It must outlive this object.
+  explicit SystemPattern(const Assembly& assembly) : assembly_(assembly) {}
+
+  [[nodiscard]] const SymmetricPattern& whole() const {
+    return has_grown() ? grown_ : assembly_.pattern();
+  }
+  /// Whether there are pairs that the materials do not couple.
+  [[nodiscard]] bool has_grown() const { return grown_.size > 0; }
+
+  /// Makes room for pairs of points; those of a point that does not move need none.
+  /// @returns Whether the pattern has grown, so that positions in it have changed.
+  /// @throws InputError as require_storable().
+  [[nodiscard]] bool add(const std::vector<PointPair>& pairs);
+
+  /// Sets `values` on the whole pattern to those of the materials, and to zero beyond them.
+  /// @param of_materials The values on Assembly::pattern().
+  void spread(const std::vector<double>& of_materials, std::vector<double>& values) const;
+
+ private:
+  const Assembly& assembly_;
+  /// Empty as long as nothing was added.
+  SymmetricPattern grown_;
+  /// The position of each value of the materials.
+  std::vector<Index> position_;
+};
+
+/// The places of the blocks of pairs of points in the values of a tangent.
+class PairPlaces {
+ public:
+  PairPlaces() = default;
+  /// @param pairs Pairs that the pattern has room for.
+  PairPlaces(std::vector<PointPair> pairs, const Assembly& assembly,
+             const SymmetricPattern& pattern);
+
+  [[nodiscard]] const std::vector<PointPair>& pairs() const { return pairs_; }
+  /// @param blocks ∂²/∂u_a∂u_b of each pair.
+  void add(const std::vector<Mat3>& blocks, std::vector<double>& values) const;
+
+ private:
+  struct Place {
+    std::array<Index, 3> positions;
+    /// The index of the pair.
+    std::size_t pair;
+    bool is_diagonal;
+    /// The block stands transposed: the row is that of b.
+    bool is_transposed;
+  };
+
+  std::vector<PointPair> pairs_;
+  std::vector<Place> places_;
+};
+
+}  // namespace palpate
