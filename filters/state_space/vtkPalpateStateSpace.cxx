@@ -12,7 +12,6 @@
 
 #include "base/error.h"
 #include "base/memory_error.h"
-#include "state_space/pressing_space.h"
 #include "storage/schema.h"
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
@@ -398,7 +397,7 @@ constexpr const char* ToolTriangles = "ToolTriangles";
 /// A space has one rigid tool at the most.
 void AddContactFields(const TouchSpace& space, vtkFieldData* fields)
 {
-  const TouchToolSpace* found = palpate::find_pressing(space);
+  const TouchToolSpace* found = space.find_pressing();
   if (!found)
   {
     return;

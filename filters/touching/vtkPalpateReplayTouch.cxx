@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "base/read_file.h"
-#include "state_space/pressing_space.h"
 #include "vtkDelimitedTextReader.h"
 #include "vtkDoubleArray.h"
 #include "vtkExecutive.h"
@@ -328,7 +327,7 @@ struct vtkPalpateReplayTouch::Replay
     const palpate::TouchSpace space = vtkPalpateSpaceFromCollection(input, controller);
     this->SceneHash = space.scene_hash;
     this->Shapes.clear();
-    this->HasRigidTool = palpate::find_pressing(space) != nullptr;
+    this->HasRigidTool = space.find_pressing() != nullptr;
     for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
     {
       const palpate::InteractionSpec& interaction = toolSpace.setup.interaction;

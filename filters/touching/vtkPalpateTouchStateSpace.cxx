@@ -17,7 +17,6 @@
 #include "interpolation/interpolator.h"
 #include "interpolation/outcome_at.h"
 #include "interpolation/solution_branches.h"
-#include "state_space/pressing_space.h"
 #include "storage/field_cache.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -137,7 +136,7 @@ struct WholeBodyOf
     }
     this->Scene = this->Fields.read_scene();
     this->Rest = vtkPalpateGridFromScene(this->Scene);
-    if (const TouchToolSpace* pressing = palpate::find_pressing(space))
+    if (const TouchToolSpace* pressing = space.find_pressing())
     {
       this->Contact.emplace(palpate::make_contact(this->Scene, pressing->setup.interaction.tool));
       this->ContactSpace = pressing->setup.id;
@@ -391,7 +390,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   const TouchSpace& space = this->Cache->Space;
   const TouchToolSpace& toolSpace = SiteOf(space, this->ActiveNode);
   const bool presses = toolSpace.setup.presses();
-  const bool hasRigidTool = palpate::find_pressing(space) != nullptr;
+  const bool hasRigidTool = space.find_pressing() != nullptr;
   const palpate::Vec3 t(presses ? this->ToolPosition : this->Displacement);
   const palpate::Vec3 start(presses ? this->ToolPosition : this->StartDisplacement);
   Prepared::Branch& branch =

@@ -17,7 +17,6 @@
 #include "haptic/servo/servo.h"
 #include "haptic/touching/body_touch.h"
 #include "haptic/touching/pressing_range.h"
-#include "state_space/pressing_space.h"
 #include "storage/stored_touch_space.h"
 
 namespace palpate {
@@ -73,7 +72,7 @@ Touched read_touched(const CommandLine& line, std::optional<StateSpaceFile> file
   touched.at = chosen_place(space, *touched.body, line);
   const TouchToolSpace* tool =
       touched.body->force_on_tool() != nullptr
-          ? find_pressing(space)
+          ? space.find_pressing()
           : space.find(line.node.value_or(space.tool_spaces.front().setup.id));
   touched.tool = tool->setup.name();
   return touched;

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "base/error.h"
-#include "state_space/pressing_space.h"
 
 namespace palpate {
 namespace {
@@ -65,7 +64,7 @@ double depth_in_body(const SurfaceTree& surface, const RigidTool& tool, const Ve
 }
 
 StartPlace start_place(const TouchSpace& space, const Touchable& body) {
-  const TouchToolSpace* rigid = find_pressing(space);
+  const TouchToolSpace* rigid = space.find_pressing();
   if (rigid == nullptr) {
     const TouchToolSpace& first = space.tool_spaces.front();
     const Vec3& place = first.setup.interaction.material_point;

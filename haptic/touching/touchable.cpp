@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "state_space/pressing_space.h"
 
 namespace palpate {
 
@@ -18,7 +17,7 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
         "The state space has no active node and no rigid tool: there is nothing to touch. "
         "Precompute it for one.");
   }
-  const TouchToolSpace* pressing = find_pressing(space);
+  const TouchToolSpace* pressing = space.find_pressing();
   nodes_.reserve(space.tool_spaces.size());
   for (const TouchToolSpace& tool_space : space.tool_spaces) {
     for (const ConfigurationSummary& configuration : tool_space.configurations) {

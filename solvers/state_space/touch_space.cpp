@@ -32,6 +32,13 @@ const TouchToolSpace* TouchSpace::find(ToolSpaceId id) const {
   return found != tool_spaces.end() && found->setup.id == id ? &*found : nullptr;
 }
 
+const TouchToolSpace* TouchSpace::find_pressing() const {
+  const auto found =
+      std::find_if(tool_spaces.begin(), tool_spaces.end(),
+                   [](const TouchToolSpace& space) { return space.setup.presses(); });
+  return found != tool_spaces.end() ? &*found : nullptr;
+}
+
 TouchSpace make_empty_touch_space(const Scene& scene, const std::string& scene_hash) {
   TouchSpace space;
   space.scene_hash = scene_hash;

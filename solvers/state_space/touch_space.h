@@ -66,6 +66,9 @@ struct TouchSpace {
 
   /// The tool space at an active node, or nullptr.
   [[nodiscard]] const TouchToolSpace* find(ToolSpaceId id) const;
+  /// The tool space whose tool presses the body anywhere, or nullptr. A space may have several: all
+  /// that feels and shows a tool that presses takes the first one by number, which this finds.
+  [[nodiscard]] const TouchToolSpace* find_pressing() const;
 };
 
 /// The touch space of a scene, without tool spaces yet.

@@ -186,7 +186,6 @@ THROUGH_HEADERS = [
     ("examples", "solvers/fields", "a touch space is made of the fields of a file"),
     ("examples", "solvers/materials", "those of the Scene"),
     ("examples", "solvers/mesh", "that of the Scene, and the trees of a Touchable"),
-    ("examples", "solvers/reduced", "a servo loop steps reduced bodies too"),
 ]
 
 SOURCE_SUFFIXES = {".h", ".cpp", ".cxx", ".txx"}

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "haptic/touching/pressing_range.h"
-#include "state_space/pressing_space.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderWindowInteractor.h"
 #include "vtkRenderer.h"
@@ -42,7 +41,7 @@ pqPalpateToolMouse::pqPalpateToolMouse(vtkSMRenderViewProxy* view, const palpate
   , Body(std::move(body))
   , Normals(palpate::point_normals(space.surface))
 {
-  if (const palpate::TouchToolSpace* toolSpace = palpate::find_pressing(space))
+  if (const palpate::TouchToolSpace* toolSpace = space.find_pressing())
   {
     const palpate::ToolSpaceSetup& setup = toolSpace->setup;
     this->Shape = setup.interaction.tool;

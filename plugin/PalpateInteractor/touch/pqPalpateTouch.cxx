@@ -15,7 +15,6 @@
 #include "pqPalpateToolMouse.h"
 #include "pqPalpateToolView.h"
 #include "vtkPVLogger.h"
-#include "state_space/pressing_space.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMRenderViewProxy.h"
 
@@ -134,7 +133,7 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
     }
     this->Centre = box.center();
     this->Radius = Room * (box.diagonal().norm() / 2 + beyond);
-    const palpate::TouchToolSpace* rigid = palpate::find_pressing(space);
+    const palpate::TouchToolSpace* rigid = space.find_pressing();
     this->Deepest = rigid ? rigid->setup.depth() : 0;
     this->RigidTool = rigid ? rigid->setup.interaction.tool : palpate::RigidTool();
   }
@@ -184,7 +183,7 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
   /// The way of the simulated hand.
   pqPalpateRun::HandWay HandWay(const palpate::TouchSpace& space) const
   {
-    const palpate::TouchToolSpace* rigid = palpate::find_pressing(space);
+    const palpate::TouchToolSpace* rigid = space.find_pressing();
     const palpate::ToolSpaceSetup& setup = (rigid ? *rigid : space.tool_spaces.front()).setup;
     const auto [place, normal, depth] = palpate::start_place(space, *this->Body);
     const double height =
@@ -194,7 +193,7 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
 
   void MakeBodyView(const palpate::TouchSpace& space, bool inTissue)
   {
-    const palpate::TouchToolSpace* rigid = palpate::find_pressing(space);
+    const palpate::TouchToolSpace* rigid = space.find_pressing();
     const double depth = space.tool_spaces.front().setup.depth();
     this->BodyView = std::make_unique<pqPalpateBodyView>(this->Port, this->View,
       rigid ? "ContactPressure" : "Displacement", rigid ? UsualPressure(*rigid) : depth, inTissue,
