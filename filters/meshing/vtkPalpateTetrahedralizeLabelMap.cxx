@@ -26,6 +26,7 @@
 #include "vtkPalpateInput.h"
 #include "vtkPalpateLabelParts.h"
 #include "vtkPalpateLabelSurface.h"
+#include "vtkPalpatePartsReport.h"
 #include "vtkPalpateSegments.h"
 #include "vtkPalpateUnit.h"
 #include "vtkPolyData.h"
@@ -45,8 +46,6 @@ constexpr double VolumeOfEdge = 0.2;
 /// Of a tetrahedron on the average, as measured: those at the walls are smaller.
 constexpr double MeanVolumeOfEdge = 0.04;
 constexpr double AutomaticNumber = 1e4;
-/// Of a part's volume.
-constexpr double VolumeTolerance = 0.02;
 /// A voxel whose edges differ by no more is taken for a cube, and one that is as long as the
 /// elements to within that stays as it is.
 constexpr double AlmostEqual = 0.2;
@@ -118,173 +117,6 @@ Quality QualityOf(vtkUnstructuredGrid* body)
   }
   return quality;
 }
-
-/// A label, with its name where it has one.
-std::string NameOf(int label, const std::map<int, std::string>& names)
-{
-  const auto found = names.find(label);
-  return "Label " + std::to_string(label) +
-    (found == names.end() ? "" : " (" + found->second + ')');
-}
-
-/// The parts of a body in its image, in the cubes, and in the mesh.
-class PartsReport
-{
-public:
-  PartsReport(const vtkPalpateLabelParts& parts, const vtkPalpateCubes& cubes,
-    const vtkPalpateLabelSurface& surface, const std::map<int, std::string>& names)
-    : Parts(parts)
-    , Cubes(cubes)
-    , Surface(surface)
-    , Names(names)
-  {
-    for (std::size_t part = 1; part < parts.Each.size(); ++part)
-    {
-      ++NumberOf[parts.Each[part].Label];
-    }
-  }
-
-  double ImageVolume(std::size_t part) const
-  {
-    return static_cast<double>(Parts.Each[part].Count) * Parts.Grid.Volume();
-  }
-
-  vtkPalpatePoint Place(std::size_t part) const
-  {
-    const auto& middle = Parts.Each[part].Middle;
-    return Parts.Grid.Place(middle[0], middle[1], middle[2]);
-  }
-
-  /// What is not as in the image, the largest part of each kind first; empty where all is.
-  std::string Wrong() const
-  {
-    std::vector<std::size_t> lost, off, apart;
-    for (std::size_t part = 1; part < Parts.Each.size(); ++part)
-    {
-      const bool isLost = Cubes.Pieces[part] == 0;
-      (isLost ? lost : off).push_back(part);
-      if (Cubes.Pieces[part] > 1)
-      {
-        apart.push_back(part);
-      }
-    }
-    off.erase(std::remove_if(off.begin(), off.end(),
-                [this](std::size_t part) { return std::abs(Error(part)) <= VolumeTolerance; }),
-      off.end());
-    std::string text = List(
-      "Lost, as they are too small for the elements or too near to others of their label:", lost,
-      [](std::size_t) { return std::string(); });
-    text += List("Volumes that are off:", off,
-      [this](std::size_t part)
-      {
-        std::ostringstream error;
-        error.precision(3);
-        error << ", " << 100 * std::abs(Error(part)) << " % too "
-              << (Error(part) > 0 ? "much" : "little");
-        return error.str();
-      });
-    text += List("In several pieces:", apart,
-      [this](std::size_t part) { return ", " + std::to_string(Cubes.Pieces[part]) + " pieces"; });
-    std::vector<std::size_t> joined;
-    std::map<std::size_t, std::size_t> other;
-    for (const auto& [a, b] : Cubes.Joined)
-    {
-      // The outside is no part.
-      joined.push_back(static_cast<std::size_t>(b));
-      other[joined.back()] = static_cast<std::size_t>(a);
-    }
-    text += List("Grown together with another one:", joined,
-      [&](std::size_t part)
-      { return other[part] == 0 ? " with the outside" : " with " + Name(other[part]); });
-    return text;
-  }
-
-  /// A line for each part of labels that have several, and for each cavity.
-  std::string Lines() const
-  {
-    std::ostringstream text;
-    text.precision(3);
-    std::size_t lines = 0;
-    for (std::size_t part = 1; part < Parts.Each.size(); ++part)
-    {
-      const int label = Parts.Each[part].Label;
-      if ((label != 0 && NumberOf.at(label) == 1) || ++lines > MostLines)
-      {
-        continue;
-      }
-      text << Name(part) << ": ";
-      if (Cubes.Pieces[part] == 0)
-      {
-        text << "lost.\n";
-      }
-      else
-      {
-        text << 100 * Error(part) << " % more or less in the body.\n";
-      }
-    }
-    if (lines > MostLines)
-    {
-      text << "And " << lines - MostLines << " parts more.\n";
-    }
-    return text.str();
-  }
-
-private:
-  static constexpr std::size_t MostLines = 100;
-  static constexpr std::size_t MostNamed = 20;
-
-  double Error(std::size_t part) const { return Surface.Volumes[part] / ImageVolume(part) - 1; }
-
-  std::string Name(std::size_t part) const
-  {
-    const int label = Parts.Each[part].Label;
-    std::ostringstream name;
-    name.precision(3);
-    name << (label == 0 ? "A cavity" : NameOf(label, Names));
-    name << (label == 0 || NumberOf.at(label) == 1 ? " of " : ", the part of ");
-    const auto x = Place(part);
-    name << ImageVolume(part) << " m³ around (" << x[0] << ", " << x[1] << ", " << x[2] << ") m";
-    return name.str();
-  }
-
-  template <class Tell>
-  std::string List(const char* title, std::vector<std::size_t> parts, Tell&& tell) const
-  {
-    if (parts.empty())
-    {
-      return "";
-    }
-    std::stable_sort(parts.begin(), parts.end(),
-      [this](std::size_t a, std::size_t b) { return Parts.Each[a].Count > Parts.Each[b].Count; });
-    std::ostringstream text;
-    text.precision(3);
-    text << ' ' << title;
-    double rest = 0;
-    for (std::size_t i = 0; i < parts.size(); ++i)
-    {
-      if (i < MostNamed)
-      {
-        text << (i > 0 ? "; " : " ") << Name(parts[i]) << tell(parts[i]);
-      }
-      else
-      {
-        rest += ImageVolume(parts[i]);
-      }
-    }
-    if (rest > 0)
-    {
-      text << "; and " << parts.size() - MostNamed << " smaller ones, together " << rest << " m³";
-    }
-    text << '.';
-    return text.str();
-  }
-
-  const vtkPalpateLabelParts& Parts;
-  const vtkPalpateCubes& Cubes;
-  const vtkPalpateLabelSurface& Surface;
-  const std::map<int, std::string>& Names;
-  std::map<int, std::size_t> NumberOf; ///< parts of each label
-};
 
 /// Changes the cell array of the numbers of parts into one of labels, and adds one of those numbers
 /// as the field arrays count them.
@@ -711,7 +543,7 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   walls->ShallowCopy(polydata);
 
   const auto names = vtkPalpateNamesOfLabels(image->GetFieldData());
-  const PartsReport of_parts(parts, cubes, surface, names);
+  const vtkPalpatePartsReport of_parts(parts, cubes, surface, names);
   std::vector<int> part_labels;
   std::vector<double> part_image_volumes, part_mesh_volumes, part_places;
   std::map<std::size_t, int> numbers;
@@ -743,7 +575,7 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
     image_volumes.push_back(volume);
     mesh_volumes.push_back(mesh_volume.at(label));
     report.precision(3);
-    report << NameOf(label, names) << ": " << volume << " m³ in the image, "
+    report << vtkPalpateNameOfLabel(label, names) << ": " << volume << " m³ in the image, "
            << 100 * (mesh_volumes.back() / volume - 1) << " % more or less in the body.\n";
   }
   report << of_parts.Lines();

@@ -4,21 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <set>
 #include <sstream>
 #include <vector>
 
 #include "base/error.h"
 #include "base/quantity.h"
-#include "mesh/box_tree.h"
-#include "vtkCellData.h"
-#include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkIntArray.h"
 #include "vtkMath.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
@@ -30,16 +24,16 @@
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
+#include "vtkPalpateRegions.h"
 #include "vtkPalpateSurfaceCheck.h"
 #include "vtkPalpateSurfaceRepair.h"
-#include "vtkPalpateSurfaceShells.h"
 #include "vtkPalpateUnit.h"
+#include "vtkPalpateWallAdvice.h"
 #include "vtkPalpateWallMatch.h"
 #include "vtkPalpateWholeSurface.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStringArray.h"
-#include "vtkTetra.h"
 #include "vtkUnstructuredGrid.h"
 
 vtkStandardNewMacro(vtkPalpateTetrahedralizeSurface);
@@ -107,424 +101,6 @@ double VolumeWithin(vtkImplicitFunction* function, const vtkPalpateSurface& surf
   }
   return (box[1] - box[0]) * (box[3] - box[2]) * (box[5] - box[4]) * within /
     (samples * samples * samples);
-}
-
-/// "1 'skin'"
-std::string NameOf(const vtkPalpateTissueSurfaces& tissues, int region)
-{
-  std::string text = std::to_string(tissues.Numbers.empty() ? region : tissues.Numbers[region]);
-  return tissues.Names.empty() || tissues.Names[region].empty()
-    ? text
-    : text + " '" + tissues.Names[region] + "'";
-}
-
-/// What the user sees of compartments.
-class Regions
-{
-public:
-  Regions(const vtkPalpateCompartments& compartments, const vtkPalpateTissueSurfaces& tissues)
-    : Compartments(compartments)
-    , Tissues(tissues)
-  {
-    for (int i = 1; i < Compartments.Count(); ++i)
-    {
-      if (Compartments.Region[i] != vtkPalpateCompartments::Empty)
-      {
-        VolumeOf[Compartments.Region[i]] += Compartments.Volume[i];
-      }
-    }
-  }
-
-  std::size_t Count() const { return VolumeOf.size(); }
-
-  /// Of all regions, m³.
-  double Volume() const
-  {
-    double volume = 0;
-    for (const auto& [region, part] : VolumeOf)
-    {
-      volume += part;
-    }
-    return volume;
-  }
-
-  /// @throws palpate::InputError two tissues claim the same space.
-  void RequireNoOverlap() const
-  {
-    if (Compartments.Overlaps.empty())
-    {
-      return;
-    }
-    const auto& overlap = Compartments.Overlaps.front();
-    const int i = overlap.Compartment;
-    // Of a layer the mean is its thickness; a lens is three times as thick in its middle.
-    const double mean = 2 * Compartments.Volume[i] / vtkPalpateArea(Compartments.Boundary[i]);
-    std::ostringstream text;
-    text.precision(3);
-    text
-      << "The regions " << this->Name(overlap.Tissues[0]) << " and "
-      << this->Name(overlap.Tissues[1]) << " overlap: both enclose " << this->Where(i)
-      << ", between " << mean << " and " << 3 * mean
-      << " m thick. If that is one wall, set WallTolerance to a little more than this. Else take "
-         "that space away from one of them in the program that they come from, or give it as a "
-         "region of its own. The second output shows it.";
-    throw InputError(text.str());
-  }
-
-  /// Gives the cells of the body the numbers of their regions, and the body the list of them.
-  /// @returns what is doubtful, for a person.
-  std::string Finish(vtkUnstructuredGrid* body) const
-  {
-    auto* region = vtkIntArray::SafeDownCast(body->GetCellData()->GetArray("Region"));
-    std::map<int, double> volumes;
-    for (vtkIdType i = 0; i < body->GetNumberOfCells(); ++i)
-    {
-      region->SetValue(i, this->Number(region->GetValue(i)));
-      vtkIdType size;
-      const vtkIdType* ids;
-      body->GetCellPoints(i, size, ids);
-      double p[4][3];
-      for (int k = 0; k < 4; ++k)
-      {
-        body->GetPoint(ids[k], p[k]);
-      }
-      volumes[region->GetValue(i)] += vtkTetra::ComputeVolume(p[0], p[1], p[2], p[3]);
-    }
-    vtkNew<vtkIntArray> number;
-    vtkNew<vtkDoubleArray> volume;
-    vtkNew<vtkStringArray> name;
-    number->SetName("RegionNumber");
-    volume->SetName("RegionVolume");
-    name->SetName("RegionName");
-    for (const auto& [value, sum] : volumes)
-    {
-      number->InsertNextValue(value);
-      volume->InsertNextValue(sum);
-      const auto at = std::find(Tissues.Numbers.begin(), Tissues.Numbers.end(), value);
-      name->InsertNextValue(
-        Tissues.Names.empty() ? "" : Tissues.Names[at - Tissues.Numbers.begin()]);
-    }
-    body->GetFieldData()->AddArray(number);
-    body->GetFieldData()->AddArray(volume);
-    if (!Tissues.Names.empty())
-    {
-      body->GetFieldData()->AddArray(name);
-    }
-    return this->Doubt();
-  }
-
-private:
-  int Number(int region) const
-  {
-    return Tissues.Numbers.empty() ? region : Tissues.Numbers[region];
-  }
-
-  std::string Name(int region) const { return NameOf(Tissues, region); }
-
-  /// "1e-06 m³ near (…)"
-  std::string Where(int compartment) const
-  {
-    const auto x = vtkPalpateMiddleOf(Compartments, compartment);
-    std::ostringstream text;
-    text << Compartments.Volume[compartment] << " m³ near (" << x[0] << ", " << x[1] << ", " << x[2]
-         << ')';
-    return text.str();
-  }
-
-  std::string Doubt() const
-  {
-    std::string text;
-    for (const int i : Compartments.Doubtful)
-    {
-      text += "The walls around " + this->Where(i) +
-        " belong to several regions; there is no wall between them, and region " +
-        this->Name(Compartments.Region[i]) + ", which has most of them, got all. ";
-    }
-    for (int tissue = 0; tissue < static_cast<int>(Tissues.Numbers.size()); ++tissue)
-    {
-      if (VolumeOf.count(tissue) == 0)
-      {
-        text += "Region " + this->Name(tissue) + " encloses nothing of its own and is not there. ";
-      }
-    }
-    return text;
-  }
-
-  const vtkPalpateCompartments& Compartments;
-  const vtkPalpateTissueSurfaces& Tissues;
-  std::map<int, double> VolumeOf;
-};
-
-/// The same compartments with the overlaps that there are if each surface that hangs together is of
-/// a region of its own.
-vtkPalpateCompartments OfSeparateSurfaces(
-  const vtkPalpateSurface& surfaces, vtkPalpateCompartments compartments)
-{
-  auto named = surfaces;
-  named.Tissues = vtkPalpateSeparateSurfaces(surfaces);
-  if (*std::max_element(named.Tissues.begin(), named.Tissues.end()) > 0)
-  {
-    compartments.Overlaps = vtkPalpateFindCompartments(vtkPalpateUniteWalls(named)).Overlaps;
-  }
-  return compartments;
-}
-
-/// Walls that lie so near to each other may be meant as one: a share of the diagonal.
-constexpr double Close = 1e-3;
-
-/// Tells of bodies that lie beside each other so closely that a wall between them was meant; empty
-/// where there are none.
-std::string GapsBetween(const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments)
-{
-  int parts = 0;
-  const auto part = vtkPalpateConnectedParts(walls.Surface, parts);
-  std::vector<char> is_outermost(parts, 0);
-  std::vector<vtkIdType> beside;
-  for (std::size_t i = 0; i < part.size(); ++i)
-  {
-    const auto& [behind, front] = compartments.Sides[i];
-    if (behind == vtkPalpateCompartments::Outside || front == vtkPalpateCompartments::Outside)
-    {
-      is_outermost[part[i]] = 1;
-      beside.push_back(static_cast<vtkIdType>(i));
-    }
-  }
-  if (std::count(is_outermost.begin(), is_outermost.end(), 1) < 2)
-  {
-    return "";
-  }
-  auto bodies = vtkPalpateSubset(walls.Surface, beside);
-  for (const vtkIdType id : beside)
-  {
-    bodies.Tissues.push_back(part[id]);
-  }
-  const auto matched = vtkPalpateMatchWalls(bodies, Close * vtkPalpateDiagonal(walls.Surface));
-  if (matched.Replaced == 0)
-  {
-    return "";
-  }
-  std::ostringstream text;
-  text.precision(3);
-  text << "Bodies lie beside each other at a distance of " << matched.Moved << " m, near ("
-       << matched.Place[0] << ", " << matched.Place[1] << ", " << matched.Place[2]
-       << "), without a wall in common: nothing is transmitted between them. If they should touch, "
-          "set WallTolerance to a little more than this. ";
-  return text.str();
-}
-
-/// How far the surfaces of two tissues, or two surfaces where nobody says, reach into each other,
-/// m.
-class Overlaps
-{
-public:
-  Overlaps(const vtkPalpateSurface& surfaces, const vtkPalpateWalls& walls,
-    const vtkPalpateSurfaceFaults& faults)
-    : Walls(walls.Surface)
-    , Named(!surfaces.Tissues.empty())
-    , Owner(Walls.Triangles.size())
-  {
-    const auto owners = Named ? surfaces.Tissues : vtkPalpateSeparateSurfaces(surfaces);
-    for (const auto& copy : walls.Copies)
-    {
-      Owner[copy.Triangle] = owners[copy.Source];
-    }
-    for (const auto& [s, t] : faults.IntersectingPairs)
-    {
-      CrossesItself = CrossesItself || Owner[s] == Owner[t];
-      if (Owner[s] != Owner[t])
-      {
-        const auto [first, second] = std::minmax(Owner[s], Owner[t]);
-        Crossing[{ first, second }].insert({ s, t });
-      }
-    }
-  }
-
-  bool Any() const { return !Crossing.empty(); }
-  /// Of all, m; infinity where one crosses itself.
-  double Deepest() const
-  {
-    double depth = CrossesItself ? VTK_DOUBLE_MAX : 0;
-    for (const auto& [owners, triangles] : Crossing)
-    {
-      depth = std::max({ depth, this->Depth(triangles, owners[0], owners[1]),
-        this->Depth(triangles, owners[1], owners[0]) });
-    }
-    return depth;
-  }
-  bool HasNumbers() const { return Named; }
-
-  /// "0 and 1 reach into each other by 1e-05 m, 1 and 2 …"
-  template <class Name>
-  std::string List(Name&& name) const
-  {
-    std::ostringstream text;
-    text.precision(3);
-    for (const auto& [owners, triangles] : Crossing)
-    {
-      text << (text.tellp() > 0 ? ", " : "") << name(owners[0]) << " and " << name(owners[1])
-           << " reach into each other by "
-           << std::max(this->Depth(triangles, owners[0], owners[1]),
-                this->Depth(triangles, owners[1], owners[0]))
-           << " m";
-    }
-    return text.str();
-  }
-
-private:
-  /// How deep the corners of one's crossing triangles lie within the other at most.
-  double Depth(const std::set<vtkIdType>& triangles, int one, int other) const
-  {
-    std::vector<vtkIdType> around;
-    for (std::size_t i = 0; i < Owner.size(); ++i)
-    {
-      if (Owner[i] == other)
-      {
-        around.push_back(static_cast<vtkIdType>(i));
-      }
-    }
-    const vtkPalpateSurface surface = vtkPalpateSubset(Walls, around);
-    std::set<vtkIdType> corners;
-    for (const vtkIdType id : triangles)
-    {
-      if (Owner[id] == one)
-      {
-        corners.insert(Walls.Triangles[id].begin(), Walls.Triangles[id].end());
-      }
-    }
-    constexpr std::size_t most = 300; // spread over all, so that it takes no time
-    const std::size_t step = 1 + corners.size() / most;
-    double depth = 0;
-    std::size_t i = 0;
-    for (const vtkIdType id : corners)
-    {
-      const auto& x = Walls.Points[id];
-      if (i++ % step == 0 && std::abs(vtkPalpateWindingNumber(surface, x)) > 0.5)
-      {
-        depth = std::max(depth, DistanceTo(surface, x));
-      }
-    }
-    return depth;
-  }
-
-  static double DistanceTo(const vtkPalpateSurface& surface, const vtkPalpatePoint& x)
-  {
-    const auto at = [&surface](vtkIdType id) { return palpate::Vec3(surface.Points[id].data()); };
-    double squared = VTK_DOUBLE_MAX;
-    for (const auto& [a, b, c] : surface.Triangles)
-    {
-      squared = std::min(squared,
-        palpate::nearest_on_triangle(at(a), at(b), at(c), palpate::Vec3(x.data()))
-          .squared_distance);
-    }
-    return std::sqrt(squared);
-  }
-
-  const vtkPalpateSurface& Walls;
-  bool Named;
-  bool CrossesItself = false;
-  std::vector<int> Owner; ///< of each triangle: its tissue or surface
-  std::map<std::array<int, 2>, std::set<vtkIdType>> Crossing;
-};
-
-/// Whether walls that were matched bound bodies without a fault.
-bool AreMatched(const vtkPalpateMatchedWalls& matched)
-{
-  const auto walls = vtkPalpateUniteWalls(matched.Surfaces);
-  auto compartments = vtkPalpateFindCompartments(walls);
-  if (matched.Surfaces.Tissues.empty())
-  {
-    compartments = OfSeparateSurfaces(matched.Surfaces, std::move(compartments));
-  }
-  return vtkPalpateCheckWalls(walls, compartments).None();
-}
-
-/// How far from each other the walls of several surfaces lie that bound bodies without a fault when
-/// each is one wall, m; none where they are too far apart for that, or there is another fault.
-std::optional<double> ToleranceThatHelps(
-  const vtkPalpateSurface& surface, const vtkPalpateSurface& walls)
-{
-  // The least of several that does: a large one takes thin parts for walls.
-  for (const double share : { Close, 4 * Close, 16 * Close })
-  {
-    const auto matched = vtkPalpateMatchWalls(surface, share * vtkPalpateDiagonal(walls));
-    if (matched.Replaced > 0 && AreMatched(matched))
-    {
-      return matched.Moved;
-    }
-    if (matched.IsGivenUp)
-    {
-      break;
-    }
-  }
-  return std::nullopt;
-}
-
-/// Tells of voids that are closed in between walls which lie so near to each other that they may be
-/// one; empty where there are none.
-std::string VoidsBetween(const vtkPalpateSurface& surface, const vtkPalpateWalls& walls,
-  const vtkPalpateCompartments& compartments)
-{
-  const double thin = Close * vtkPalpateDiagonal(walls.Surface);
-  for (int i = vtkPalpateCompartments::Outside + 1; i < compartments.Count(); ++i)
-  {
-    const double mean = 2 * compartments.Volume[i] / vtkPalpateArea(compartments.Boundary[i]);
-    if (compartments.Region[i] != vtkPalpateCompartments::Empty || !(mean < thin))
-    {
-      continue;
-    }
-    // It is that of all surfaces, and so of each void.
-    const auto tolerance = ToleranceThatHelps(surface, walls.Surface);
-    if (!tolerance)
-    {
-      return "";
-    }
-    const auto x = vtkPalpateMiddleOf(compartments, i);
-    std::ostringstream text;
-    text.precision(3);
-    text
-      << "Regions close in a void that is " << mean << " m thick in the mean, near (" << x[0]
-      << ", " << x[1] << ", " << x[2]
-      << "): around it cells become very small. If its two sides are one wall, set WallTolerance "
-         "to a little more than "
-      << *tolerance << " m. ";
-    return text.str();
-  }
-  return "";
-}
-
-/// What to do about the faults of a surface.
-std::string AdviceFor(const vtkPalpateSurface& surface, const vtkPalpateWalls& walls,
-  const vtkPalpateSurfaceFaults& faults, const vtkPalpateTissueSurfaces& tissues)
-{
-  const Overlaps overlaps(surface, walls, faults);
-  const auto tolerance = ToleranceThatHelps(surface, walls.Surface);
-  if (!overlaps.Any() && !tolerance)
-  {
-    return "Turn on RepairSurface, or mend the surface.";
-  }
-  std::ostringstream text;
-  text.precision(3);
-  if (overlaps.Any())
-  {
-    text << "The regions "
-         << overlaps.List([&tissues](int region) { return NameOf(tissues, region); }) << ". ";
-  }
-  if (tolerance)
-  {
-    text << "Walls lie up to " << *tolerance << " m from each other: if two are one wall, "
-         << "triangulated twice, set WallTolerance to a little more than this. ";
-  }
-  else
-  {
-    text
-      << "If that is one wall, triangulated twice, set WallTolerance to a little more than this. ";
-  }
-  text << "Else "
-       << (overlaps.Any()
-              ? "take the overlap away from one of them in the program that they come from"
-              : "mend them")
-       << (overlaps.HasNumbers() ? "." : "; RepairSurface would join them to one region.");
-  return text.str();
 }
 
 void AddText(vtkDataObject* output, const char* name, const std::string& text)
@@ -752,13 +328,13 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   }
   if (surface.Tissues.empty() && faults.None())
   {
-    compartments = OfSeparateSurfaces(surface, compartments);
+    compartments = vtkPalpateOverlapsOfSeparateSurfaces(surface, compartments);
     faults = vtkPalpateCheckWalls(walls, compartments);
   }
   vtkPalpateFaultsToPolyData(walls.Surface, faults, fault_output);
   if (faults.OpenEdges.empty() && faults.IntersectingPairs.empty())
   {
-    Regions(compartments, tissues).RequireNoOverlap();
+    vtkPalpateRegions(compartments, tissues).RequireNoOverlap();
   }
   this->Progress(0.1);
 
@@ -776,10 +352,11 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   {
     throw InputError(
       "The surface bounds no body: " + vtkPalpateDescribeFaults(walls.Surface, faults) + ". " +
-      AdviceFor(surface, walls, faults, tissues) + " The second output shows these places.");
+      vtkPalpateAdviceFor(surface, walls, faults, tissues) +
+      " The second output shows these places.");
   }
   const std::string gaps =
-    GapsBetween(walls, compartments) + VoidsBetween(surface, walls, compartments);
+    vtkPalpateTellGaps(walls, compartments) + vtkPalpateTellVoids(surface, walls, compartments);
   try
   {
     this->Mesh(surface, repaired, tissues, body);
@@ -827,7 +404,7 @@ std::optional<vtkPalpateRepairedSurface> vtkPalpateTetrahedralizeSurface::MatchW
   }
   // Without a tolerance walls are in the same place, but for rounding.
   if (!needed ||
-    (this->WallTolerance == 0 && Overlaps(surface, walls, faults).Deepest() > tolerance))
+    (this->WallTolerance == 0 && vtkPalpateOverlaps(surface, walls, faults).Deepest() > tolerance))
   {
     return {};
   }
@@ -839,7 +416,7 @@ std::optional<vtkPalpateRepairedSurface> vtkPalpateTetrahedralizeSurface::MatchW
   if (this->WallTolerance == 0)
   {
     // What was not asked for has to be a success.
-    if (!AreMatched(matched))
+    if (!vtkPalpateAreMatched(matched))
     {
       return {};
     }
@@ -890,7 +467,7 @@ void vtkPalpateTetrahedralizeSurface::Mesh(const vtkPalpateSurface& given,
   {
     const auto walls = vtkPalpateUniteWalls(repaired.Surface);
     const auto compartments = vtkPalpateFindCompartments(walls);
-    const Regions regions(compartments, tissues);
+    const vtkPalpateRegions regions(compartments, tissues);
     this->RequireFewEnough(regions.Volume());
     try
     {

@@ -12,11 +12,6 @@
 #include "PalpateMeshingModule.h"
 #include "vtkPalpateSurface.h"
 
-/// The surface that each triangle belongs to, numbered by their first triangles: those of one
-/// tissue are one surface, or where nobody says those that hang together in the input.
-PALPATEMESHING_EXPORT std::vector<int> vtkPalpateSeparateSurfaces(
-  const vtkPalpateSurface& surfaces);
-
 struct vtkPalpateMatchedWalls
 {
   /// A wall of two of them is there twice, with the same triangles. Its parts are the surfaces.

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The walls between tissues, and the compartments into which they divide space.
+// The compartments into which walls divide space.
 //
-// Each wall is there once, however often the surfaces of its tissues have it. Around an edge any
-// number of walls may meet: the sides of them that face each other bound one compartment, so that
-// sides hang together to the boundaries of compartments (the cells of an arrangement; Q. Zhou et
-// al., Mesh arrangements for solid geometry, 2016, section 3). The order of walls around an edge is
-// exact.
+// Around an edge any number of walls may meet: the sides of them that face each other bound one
+// compartment, so that sides hang together to the boundaries of compartments (the cells of an
+// arrangement; Q. Zhou et al., Mesh arrangements for solid geometry, 2016, section 3). The order of
+// walls around an edge is exact.
 #pragma once
 
 #include <array>
@@ -13,26 +12,7 @@
 #include <vector>
 
 #include "PalpateSurfaceModule.h"
-#include "vtkPalpateSurface.h"
-
-struct vtkPalpateWalls
-{
-  /// One triangle as a surface of a tissue has it.
-  struct Copy
-  {
-    vtkIdType Triangle; ///< of the walls
-    vtkIdType Source;   ///< the triangle of the surfaces
-    int Tissue;         ///< −1 where nobody says
-    bool Forward;       ///< whether its normal is that of the triangle of the walls
-  };
-
-  vtkPalpateSurface Surface; ///< each triangle once
-  std::vector<Copy> Copies;  ///< by triangle, ascending
-};
-
-/// Triangles on the same three points become one. A triangle without an area gives the corner that
-/// lies on its longest side to all others there.
-PALPATESURFACE_EXPORT vtkPalpateWalls vtkPalpateUniteWalls(const vtkPalpateSurface& surfaces);
+#include "vtkPalpateWalls.h"
 
 struct vtkPalpateCompartments
 {
