@@ -431,7 +431,7 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
   hash->InsertNextValue(space.scene_hash);
   fields->AddArray(hash);
   AddArray<vtkIntArray>(fields, "SchemaVersion", 1, 1)
-    ->SetValue(0, static_cast<int>(palpate::kSchemaVersion));
+    ->SetValue(0, static_cast<int>(palpate::storage::kSchemaVersion));
   const auto count = static_cast<vtkIdType>(space.tool_spaces.size());
   auto* nodes = AddArray<vtkIdTypeArray>(fields, "ActiveNodes", 1, count);
   VisitSetup(palpate::ToolSpaceSetup(),

@@ -22,9 +22,9 @@ std::string join(const std::vector<Index>& numbers) {
 }
 
 /// @throws InputError the model is damaged.
-StateSpaceFile::Arrays read_arrays(const StateSpaceFile& file, const std::string& key,
-                                   const std::string& name) {
-  auto arrays = file.read_reduced_model(key);
+storage::Arrays read_arrays(const StateSpaceFile& file, const std::string& key,
+                            const std::string& name) {
+  auto arrays = file.reduced_models().read(key);
   if (arrays) return *std::move(arrays);
   const std::vector<std::string> left_out = file.left_out();
   throw InputError(name + " cannot be read. " +
@@ -33,7 +33,7 @@ StateSpaceFile::Arrays read_arrays(const StateSpaceFile& file, const std::string
 }
 
 /// @throws InputError the nodes are not points of a body with `num_points` points.
-std::vector<Index> active_nodes(const StateSpaceFile::Arrays& arrays, Index num_points,
+std::vector<Index> active_nodes(const storage::Arrays& arrays, Index num_points,
                                 const std::string& name) {
   const auto found = arrays.find(kActiveNodes);
   if (found == arrays.end() || found->second.cols() != 1) {
@@ -54,8 +54,7 @@ std::vector<Index> active_nodes(const StateSpaceFile::Arrays& arrays, Index num_
 
 /// Moves the points of the body to where they are at rest under gravity.
 /// @throws InputError the displacement is not stored for each point.
-void let_sag(const StateSpaceFile::Arrays& arrays, const std::string& name,
-             std::vector<Vec3>& points) {
+void let_sag(const storage::Arrays& arrays, const std::string& name, std::vector<Vec3>& points) {
   const auto found = arrays.find(kRest);
   const auto num_rows = 3 * static_cast<Eigen::Index>(points.size());
   if (found == arrays.end() || found->second.rows() != num_rows || found->second.cols() != 1) {
@@ -87,12 +86,12 @@ std::string list_models(const StateSpaceFile& file, Index num_points,
 }  // namespace
 
 bool has_only_reduced_models(const StateSpaceFile& file) {
-  return file.read_tool_spaces().empty() && !file.list_reduced_models().empty();
+  return file.read_tool_spaces().empty() && !file.reduced_models().list().empty();
 }
 
 TouchedModel read_touched_model(const StateSpaceFile& file, std::optional<std::int64_t> number) {
   const std::string path = file.path().string();
-  const std::vector<std::string> keys = file.list_reduced_models();
+  const std::vector<std::string> keys = file.reduced_models().list();
   if (keys.empty()) {
     throw InputError(path +
                      " holds no reduced model that is complete. Give a file that Build Reduced "

@@ -144,8 +144,8 @@ class ContactDraw {
 TestSet test_set_of(const ToolSpaceSetup& setup, std::int64_t seed) {
   const InteractionSpec& interaction = setup.interaction;
   const double radius = interaction.touching_radius();
-  if (!setup.presses()) return {setup.id, radius, setup.grid.half_width, seed};
-  return {number_of(interaction.tool), radius, deepest(setup), seed};
+  if (!setup.presses()) return {setup.id, radius, setup.grid.half_width, seed, setup.body};
+  return {number_of(interaction.tool), radius, deepest(setup), seed, setup.body};
 }
 
 Vec3 anchor_of(const Vec3& t, double half_width) {

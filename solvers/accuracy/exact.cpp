@@ -311,7 +311,7 @@ class TestRecord {
     agree(communicator_, [&] {
       if (communicator_.rank() != 0 || !files_) return;
       for (std::size_t s = 0; s < setups_.size(); ++s) {
-        all[s] = files_->own().read_test_points(test_set_of(setups_[s], seed_));
+        all[s] = files_->own().test_points().read(test_set_of(setups_[s], seed_));
       }
     });
     return all;
@@ -319,7 +319,8 @@ class TestRecord {
 
   void keep(std::int32_t tool_space, const TestPoint& point) {
     if (files_) {
-      files_->own().add(test_set_of(setups_[static_cast<std::size_t>(tool_space)], seed_), point);
+      files_->own().test_points().add(
+          test_set_of(setups_[static_cast<std::size_t>(tool_space)], seed_), point);
     } else {
       found_.emplace_back(tool_space, point);
     }

@@ -299,10 +299,11 @@ class FileRecord final : public Record {
   /// @note Collective
   void open() {
     files_.open([&](StateSpaceFile& file) {
-      if (file.keep() < keep_) {
+      const Keep kept = file.bases().keep();
+      if (kept < keep_) {
         throw InputError(path_.string() + " keeps less of the displacements (Keep is " +
-                         name_of(file.keep()) + ") than is asked for (" + name_of(keep_) +
-                         "), and what it has left out is lost. Ask for " + name_of(file.keep()) +
+                         name_of(kept) + ") than is asked for (" + name_of(keep_) +
+                         "), and what it has left out is lost. Ask for " + name_of(kept) +
                          ", or give another file name.");
       }
       require_bound(file, bound_);
@@ -313,7 +314,7 @@ class FileRecord final : public Record {
   /// @throws InputError what the file keeps of these spaces has a larger error than is asked for.
   void require_bound(const StateSpaceFile& file, double bound) const {
     for (const ToolSpaceSetup& setup : setups_) {
-      for (const StateSpaceFile::BasisBox& box : file.list_bases(setup.id)) {
+      for (const storage::BasisBox& box : file.bases().list(setup.id)) {
         if (box.error <= bound * (1 + kRounding)) continue;
         std::ostringstream text;
         text
@@ -334,7 +335,7 @@ class FileRecord final : public Record {
   /// @note Collective
   [[nodiscard]] bool is_reduced_anywhere() {
     bool is_reduced = false;
-    agree(communicator_, [&] { is_reduced = files_.own().keep() < Keep::all; });
+    agree(communicator_, [&] { is_reduced = files_.own().bases().keep() < Keep::all; });
     return any(communicator_, is_reduced);
   }
 
@@ -418,7 +419,7 @@ class FileRecord final : public Record {
   void reduce_into_file(double bound) {
     ReductionTask task;
     Parts parts;
-    std::vector<std::vector<StateSpaceFile::BasisBox>> boxes(setups_.size());
+    std::vector<std::vector<storage::BasisBox>> boxes(setups_.size());
     std::vector<StateKey> own;
     agree(communicator_, [&] {
       own = list_whole(setups_);
@@ -432,7 +433,7 @@ class FileRecord final : public Record {
       std::int32_t num_pressures = 0;
       if (communicator_.rank() == 0) {
         for (const ToolSpaceSetup& setup : setups_) {
-          const auto of_space = files_.own().list_bases(setup.id);
+          const auto of_space = files_.own().bases().list(setup.id);
           mine.put_list(of_space);
         }
       }
@@ -447,8 +448,8 @@ class FileRecord final : public Record {
       Keep keep = keep_;
       Unpacker of_first(all.front());
       for (auto& of_space : boxes) {
-        of_space = of_first.take_list<std::vector<StateSpaceFile::BasisBox>>();
-        for (const StateSpaceFile::BasisBox& box : of_space) keep = box.keep;
+        of_space = of_first.take_list<std::vector<storage::BasisBox>>();
+        for (const storage::BasisBox& box : of_space) keep = box.keep;
       }
       task.num_pressures = of_first.take<std::int32_t>();
       for (std::size_t rank = 1; rank < all.size(); ++rank) {
@@ -477,14 +478,14 @@ class FileRecord final : public Record {
   }
 
   /// Adds the regions of a tool space to a list.
-  void plan(const ToolSpaceSetup& setup, const std::vector<StateSpaceFile::BasisBox>& boxes,
+  void plan(const ToolSpaceSetup& setup, const std::vector<storage::BasisBox>& boxes,
             const std::vector<StateKey>& keys, std::vector<ReductionRegion>& regions) {
     std::vector<ReductionRegion> there;
-    for (const StateSpaceFile::BasisBox& box : boxes) {
+    for (const storage::BasisBox& box : boxes) {
       ReductionRegion& region = there.emplace_back();
       region.number = box.number;
       region.box = box.box;
-      if (communicator_.rank() == 0) region.begin = files_.own().read_basis(setup.id, box.number);
+      if (communicator_.rank() == 0) region.begin = files_.own().bases().read(setup.id, box.number);
     }
     for (ReductionRegion& region : plan_regions(setup, keys, there)) {
       regions.push_back(std::move(region));
@@ -514,7 +515,7 @@ class FileRecord final : public Record {
     reduce_on_ranks(task, communicator_,
                     [&](const ReductionRegion& region, const std::vector<StateKey>& keys,
                         const PackedReduction& reduction) {
-                      file.add_basis(region.tool_space, region.number, reduction.basis);
+                      file.bases().add(region.tool_space, region.number, reduction.basis);
                       for (std::size_t i = 0; i < keys.size(); ++i) {
                         file.add(region.tool_space, found.at(keys[i]), reduction.fields[i]);
                       }

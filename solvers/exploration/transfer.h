@@ -158,6 +158,7 @@ void for_each_part(ToolSpaceSetup& setup, Visit&& visit) {
   visit(setup.interaction);
   visit(setup.grid);
   visit(setup.policy);
+  visit(setup.body);
 }
 template <class Visit>
 void for_each_part(TestPoint& point, Visit&& visit) {

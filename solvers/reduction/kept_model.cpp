@@ -71,8 +71,8 @@ std::vector<MeasuredError> errors_of(const Eigen::MatrixXd& matrix) {
   return errors;
 }
 
-StateSpaceFile::Arrays arrays_of(const KeptModel& kept, const ReductionTools& tools) {
-  StateSpaceFile::Arrays arrays = arrays_of(kept.model);
+storage::Arrays arrays_of(const KeptModel& kept, const ReductionTools& tools) {
+  storage::Arrays arrays = arrays_of(kept.model);
   arrays["Basis"] = kept.basis;
   if (kept.rest.size() > 0) arrays["Rest"] = kept.rest;
   const auto num_tools = static_cast<Eigen::Index>(tools.nodes.size());
@@ -85,7 +85,7 @@ StateSpaceFile::Arrays arrays_of(const KeptModel& kept, const ReductionTools& to
 }
 
 /// @throws InputError an array is missing or has another size, since another program wrote it.
-KeptModel kept_model_of(const StateSpaceFile::Arrays& arrays, const Scene& scene) {
+KeptModel kept_model_of(const storage::Arrays& arrays, const Scene& scene) {
   KeptModel kept;
   kept.model = model_of(arrays);
   const auto find = [&](const std::string& name, Eigen::Index rows, Eigen::Index columns) {
@@ -123,8 +123,8 @@ bool are_of(const MeasureOptions& measure, const KeptModel& kept) {
   return !kept.model.has_inertia() || num_paths == measure.paths;
 }
 
-StateSpaceFile::Arrays arrays_of(const TrainedPlaces& trained) {
-  StateSpaceFile::Arrays arrays = {
+storage::Arrays arrays_of(const TrainedPlaces& trained) {
+  storage::Arrays arrays = {
       {"PlaceModes", trained.modes},
       {"PlaceStates", trained.states},
       {"PlaceTools", trained.tools},
@@ -134,7 +134,7 @@ StateSpaceFile::Arrays arrays_of(const TrainedPlaces& trained) {
 }
 
 /// @throws InputError an array is missing or has another size, since another program wrote it.
-TrainedPlaces trained_of(const StateSpaceFile::Arrays& arrays) {
+TrainedPlaces trained_of(const storage::Arrays& arrays) {
   TrainedPlaces trained;
   const auto find = [&](const char* name) {
     const auto found = arrays.find(name);
@@ -223,7 +223,7 @@ bool has_places(const std::filesystem::path& path, const Scene& scene,
                 const ReductionOptions& options) {
   if (tools.places.empty() || !std::filesystem::exists(path)) return false;
   const std::string key = key_of_places(scene, rheologies, tools.places, options);
-  return StateSpaceFile::open_read_only(path).read_reduced_model(key).has_value();
+  return StateSpaceFile::open_read_only(path).reduced_models().read(key).has_value();
 }
 
 /// Builds a model of tools at their own places, from a training at other places.
@@ -292,7 +292,7 @@ bool keep_places(const Scene& scene, const std::vector<Rheology>& rheologies,
     const std::string key = key_of_places(scene, rheologies, places, options);
     if (is_first && file != nullptr) {
       kept = {};
-      if (const auto arrays = file->read_reduced_model(key)) kept = {key, trained_of(*arrays)};
+      if (const auto arrays = file->reduced_models().read(key)) kept = {key, trained_of(*arrays)};
     }
     were_there = any(communicator, is_first && kept.key == key);
     if (were_there) return;
@@ -300,7 +300,7 @@ bool keep_places(const Scene& scene, const std::vector<Rheology>& rheologies,
     kept.trained = train_places(scene, rheologies, places, options, {communicator, file, key});
     if (kept.trained.aborted) return;
     kept.key = key;
-    if (is_first && file != nullptr) file->add_reduced_model(key, arrays_of(kept.trained));
+    if (is_first && file != nullptr) file->reduced_models().add(key, arrays_of(kept.trained));
   });
   return were_there;
 }
@@ -319,7 +319,8 @@ KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheo
       const double tolerance = options.equilibrium.tolerance;
       const auto read = [&] {
         kept = {};
-        if (const auto arrays = file->read_reduced_model(key)) kept = kept_model_of(*arrays, scene);
+        if (const auto arrays = file->reduced_models().read(key))
+          kept = kept_model_of(*arrays, scene);
       };
       if (std::filesystem::exists(path)) {
         file.emplace(StateSpaceFile::open_read_only(path));
@@ -373,7 +374,7 @@ KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheo
       }
       kept.aborted = ends();
       if (file && kept.not_kept.empty() && !kept.aborted) {
-        file->add_reduced_model(key, arrays_of(kept, tools));
+        file->reduced_models().add(key, arrays_of(kept, tools));
       }
     }
     if (!file) return;

@@ -67,7 +67,7 @@ bool train(const std::vector<TrainingPart>& parts, const TrainingRun& run,
   bool aborted = false;
   agree(communicator, [&] {
     std::map<std::string, Eigen::MatrixXd> found;
-    if (run.file != nullptr) found = run.file->read_training(run.key);
+    if (run.file != nullptr) found = run.file->reduced_models().read_training(run.key);
     // A stored part that does not fit this training is computed again, and replaced.
     std::vector<char> is_found;
     for (const TrainingPart& part : parts) {
@@ -95,7 +95,8 @@ bool train(const std::vector<TrainingPart>& parts, const TrainingRun& run,
         if (all[r].empty()) continue;
         const std::string& name = parts[missing[first + r]].name;
         found[name] = Unpacker(all[r]).take<Eigen::MatrixXd>();
-        if (run.file != nullptr) run.file->add_training(run.key, name, found[name]);
+        if (run.file != nullptr)
+          run.file->reduced_models().add_training(run.key, name, found[name]);
       }
       aborted = any(communicator, is_aborted);
     }

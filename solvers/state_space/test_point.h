@@ -37,6 +37,7 @@ struct TestSet {
   /// Of a rigid tool the largest depth, m.
   double half_width = 0;
   std::int64_t seed = 1;
+  BodyId body = kFirstBody;
 };
 
 struct TestPoint {

@@ -92,6 +92,12 @@ struct ExplorationPolicy {
   [[nodiscard]] bool is_beyond_limit(const Vec3& force) const {
     return force_limit > 0 && force.norm() > force_limit;
   }
+  /// The flags of a state with such a force: flags::beyond_force_limit is among them where it is
+  /// beyond, and nowhere else.
+  [[nodiscard]] Flags marked(Flags of_state, const Vec3& force) const {
+    return is_beyond_limit(force) ? of_state | flags::beyond_force_limit
+                                  : of_state & ~flags::beyond_force_limit;
+  }
 
   [[nodiscard]] friend bool operator==(const ExplorationPolicy& a, const ExplorationPolicy& b) {
     const auto all = [](const ExplorationPolicy& p) {
@@ -108,20 +114,47 @@ struct ExplorationPolicy {
   return policy.tolerance * (policy.tolerance_is_relative ? largest_force(found) : 1);
 }
 
-/// The number by which a tool space is known in a run and in a file: that of the active node where
+/// The number of a body, one discretisation of an organ, among those of a file.
+using BodyId = std::int64_t;
+inline constexpr BodyId kFirstBody = 1;
+
+/// The number by which a tool space is known among those of a body: that of the active node where
 /// there is one.
 using ToolSpaceId = std::int64_t;
 /// The number that a rigid tool's space is given.
 inline constexpr ToolSpaceId kContactToolSpace = -1;
+
+/// The number by which a tool space is known in a file.
+struct ToolSpaceKey {
+  ToolSpaceId id = 0;
+  BodyId body = kFirstBody;
+
+  /// A number alone is that of a tool space of the first body.
+  ToolSpaceKey(ToolSpaceId of_tool_space, BodyId of_body = kFirstBody)
+      : id(of_tool_space), body(of_body) {}
+};
+
+[[nodiscard]] inline bool operator<(const ToolSpaceKey& a, const ToolSpaceKey& b) {
+  return std::tie(a.body, a.id) < std::tie(b.body, b.id);
+}
+[[nodiscard]] inline bool operator==(const ToolSpaceKey& a, const ToolSpaceKey& b) {
+  return a.body == b.body && a.id == b.id;
+}
 
 struct ToolSpaceSetup {
   ToolSpaceId id = 0;
   InteractionSpec interaction;
   Grid grid;
   ExplorationPolicy policy;
+  /// That it stands on.
+  BodyId body = kFirstBody;
 
-  /// Which it is, for a message: "active node 8".
-  [[nodiscard]] std::string name() const { return interaction.name(); }
+  [[nodiscard]] ToolSpaceKey key() const { return {id, body}; }
+  /// Which it is, for a message: "active node 8", or of another body than the first "active node 8
+  /// of body 2".
+  [[nodiscard]] std::string name() const {
+    return interaction.name() + (body == kFirstBody ? "" : " of body " + std::to_string(body));
+  }
   /// Whether the tool presses the body anywhere, see ToolKind::presses().
   [[nodiscard]] bool presses() const { return interaction.presses(); }
   /// How far the space goes from where the tool touches nothing, m: the half-width of the space of
@@ -133,7 +166,8 @@ struct ToolSpaceSetup {
 };
 
 [[nodiscard]] inline bool operator==(const ToolSpaceSetup& a, const ToolSpaceSetup& b) {
-  return a.id == b.id && a.interaction == b.interaction && a.grid == b.grid && a.policy == b.policy;
+  return a.key() == b.key() && a.interaction == b.interaction && a.grid == b.grid &&
+         a.policy == b.policy;
 }
 
 /// Which state it is: the tool space, the check-point, and which of the equilibria there.
@@ -141,17 +175,20 @@ struct StateKey {
   ToolSpaceId tool_space = 0;
   CheckPoint check_point{};
   std::int32_t level = 0;
+  BodyId body = kFirstBody;
 };
 
-[[nodiscard]] inline StateKey key_of(ToolSpaceId tool_space, const ConfigurationSummary& c) {
-  return {tool_space, c.check_point, c.level};
+[[nodiscard]] inline StateKey key_of(const ToolSpaceKey& tool_space,
+                                     const ConfigurationSummary& c) {
+  return {tool_space.id, c.check_point, c.level, tool_space.body};
 }
 [[nodiscard]] inline bool operator<(const StateKey& a, const StateKey& b) {
-  return std::tie(a.tool_space, a.check_point, a.level) <
-         std::tie(b.tool_space, b.check_point, b.level);
+  return std::tie(a.body, a.tool_space, a.check_point, a.level) <
+         std::tie(b.body, b.tool_space, b.check_point, b.level);
 }
 [[nodiscard]] inline bool operator==(const StateKey& a, const StateKey& b) {
-  return a.tool_space == b.tool_space && a.check_point == b.check_point && a.level == b.level;
+  return a.body == b.body && a.tool_space == b.tool_space && a.check_point == b.check_point &&
+         a.level == b.level;
 }
 
 }  // namespace palpate

@@ -48,6 +48,8 @@ template <class Number>
 
 /// What SQLite keeps in one row at the most, bytes.
 inline constexpr std::int64_t kLargestRow = 1'000'000'000;
+/// The bytes of the numbers of a row, at the most.
+inline constexpr std::int64_t kOfNumbers = 1 << 16;
 
 // Table scene.
 [[nodiscard]] inline Size<double> points(std::int64_t num_points) {

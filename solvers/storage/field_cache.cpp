@@ -114,7 +114,10 @@ void FieldCache::add_up(const ToolSpaceSetup& setup, const std::vector<FieldShar
   }
 }
 
-Scene FieldCache::read_scene() const { return open().read_scene(); }
+Scene FieldCache::read_scene() const {
+  const StateSpaceFile file = open();
+  return file.read_scene(*file.find_body(scene_hash_));
+}
 
 void FieldCache::fail(const std::string& what) const {
   throw InputError(path_.string() + " no longer holds the state space that is touched: " + what +
@@ -123,7 +126,7 @@ void FieldCache::fail(const std::string& what) const {
 
 StateSpaceFile FieldCache::open() const {
   StateSpaceFile file = StateSpaceFile::open_read_only(path_);
-  if (file.scene_hash() != scene_hash_) {
+  if (!file.find_body(scene_hash_)) {
     fail("its scene is " + file.scene_hash() + ", not " + scene_hash_);
   }
   return file;
@@ -133,8 +136,10 @@ void FieldCache::read(const ToolSpaceSetup& setup,
                       const std::vector<ConfigurationSummary>& missing) {
   StateSpaceFile file = open();
   file.share(known_);
+  // The file may have bodies besides that of the scene.
+  const BodyId body = *file.find_body(scene_hash_);
   if (points_.empty()) {
-    Scene scene = file.read_scene();
+    Scene scene = file.read_scene(body);
     settled_ = std::move(scene.settled);
     const TetMesh& mesh = scene.mesh;
     const Surface surface = make_surface(mesh);
@@ -142,14 +147,15 @@ void FieldCache::read(const ToolSpaceSetup& setup,
       points_[keep] = kept_points(mesh, surface, keep);
     }
   }
-  const std::vector<ToolSpace> there = file.read_tool_spaces();
+  const std::vector<ToolSpace> there = file.read_tool_spaces(body);
   if (std::none_of(there.begin(), there.end(),
                    [&](const ToolSpace& s) { return is_same_grid(s.setup, setup); })) {
     fail(setup.name() + " has another tip or grid there");
   }
   for (const ConfigurationSummary& summary : missing) {
     StoredFields fields;
-    if (!file.read_stored(setup.id, summary, fields)) fail("a configuration is damaged there");
+    if (!file.read_stored({setup.id, body}, summary, fields))
+      fail("a configuration is damaged there");
     const bool is_whole = fields.basis == nullptr;
     if (is_whole &&
         (fields.whole.u.size() == 0 || fields.whole.v.rows() != fields.whole.u.size())) {

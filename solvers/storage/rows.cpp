@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "base/printable.h"
+#include "storage/tool_kinds.h"
 
 namespace palpate::rows {
 namespace {
@@ -46,6 +47,20 @@ std::int64_t checksum_of(const void* data, std::size_t bytes, std::int64_t seed)
       XXH3_64bits_withSeed(data, bytes, static_cast<XXH64_hash_t>(seed)));
 }
 
+/// The bits that a checksum of numbers begins with.
+std::vector<std::int64_t> bits_of(BodyId body) {
+  if (body == kFirstBody) return {};
+  return {body};
+}
+std::vector<std::int64_t> bits_of(const ToolSpaceKey& key) {
+  std::vector<std::int64_t> bits = bits_of(key.body);
+  bits.push_back(key.id);
+  return bits;
+}
+
+/// What a checksum of bytes begins with.
+std::int64_t seed_of(BodyId body) { return body == kFirstBody ? 0 : checksum_of(bits_of(body)); }
+
 /// The numbers of a vector or matrix as they lie in memory.
 template <class Numbers>
 sqlite::Statement::Blob blob_of(const Numbers& numbers) {
@@ -73,29 +88,6 @@ bool is_possible(Flags of_solve) { return (of_solve & ~flags::all) == 0; }
 bool is_in_box(const Grid& grid, const CheckPoint& c) {
   return std::all_of(c.begin(), c.end(),
                      [&](std::int32_t x) { return x >= -grid.reach() && x <= grid.reach(); });
-}
-
-bool is_length(double x) { return std::isfinite(x) && x >= 0; }
-
-bool is_bonded(const InteractionSpec& interaction, std::int64_t num_points) {
-  return interaction.kind == InteractionKind::bonded_patch &&
-         interaction.material_point.allFinite() && interaction.active_node >= 0 &&
-         interaction.active_node < num_points && is_length(interaction.tip_radius);
-}
-
-/// What it is made of; whether a tool can be made of that is found when it is.
-bool is_possible(const RigidTool& tool) {
-  const auto num_points = static_cast<std::int64_t>(tool.points.size());
-  return tool.shape >= ToolShape::sphere && tool.shape <= ToolShape::surface &&
-         is_length(tool.radius) && is_length(tool.length) && tool.axis.allFinite() &&
-         is_length(tool.law.thickness) && is_length(tool.law.stiffness) &&
-         is_length(tool.law.offset) &&
-         std::all_of(tool.points.begin(), tool.points.end(),
-                     [](const Vec3& p) { return p.allFinite(); }) &&
-         std::all_of(tool.triangles.begin(), tool.triangles.end(), [&](const auto& triangle) {
-           return std::all_of(triangle.begin(), triangle.end(),
-                              [&](Index p) { return p >= 0 && p < num_points; });
-         });
 }
 
 /// What a number of the fields takes, as the displacements of so many points tell.
@@ -177,14 +169,15 @@ std::int64_t checksum(const std::array<sqlite::Statement::Blob, 2>& modes) {
   return checksum_of(numbers.data, numbers.bytes, checksum_of(steps.data, steps.bytes, 0));
 }
 
-std::int64_t checksum(ToolSpaceId tool_space, const BasisRow& row, Checked checked) {
-  std::vector<std::int64_t> bits{tool_space};
+std::int64_t checksum(const ToolSpaceKey& key, const BasisRow& row, Checked checked) {
+  std::vector<std::int64_t> bits = bits_of(key);
   for_each_number_of_basis(row, Gather{bits}, checked);
   return checksum_of(bits);
 }
 
-std::int64_t checksum(ToolSpaceId tool_space, const ModeKey& key, sqlite::Statement::Blob field) {
-  const std::vector<std::int64_t> bits{tool_space, key.basis, key.of_pressure, key.number};
+std::int64_t checksum(const ToolSpaceKey& key, const ModeKey& mode, sqlite::Statement::Blob field) {
+  std::vector<std::int64_t> bits = bits_of(key);
+  bits.insert(bits.end(), {mode.basis, mode.of_pressure, mode.number});
   return checksum_of(field.data, field.bytes, checksum_of(bits));
 }
 
@@ -195,7 +188,7 @@ std::int64_t checksum(const Fields& fields) {
 }
 
 std::int64_t checksum(const ToolSpace& space, Checked checked) {
-  std::vector<std::int64_t> bits;
+  std::vector<std::int64_t> bits = bits_of(space.setup.body);
   for_each_number_of_tool_space(space, Gather{bits}, checked);
   // Those that have none were stored before there were any.
   const double offset = space.setup.interaction.tool.law.offset;
@@ -203,30 +196,31 @@ std::int64_t checksum(const ToolSpace& space, Checked checked) {
   return checksum_of(bits);
 }
 
-std::int64_t checksum(ToolSpaceId tool_space, ConfigurationSummary summary, std::int64_t of_fields,
+std::int64_t checksum(const ToolSpaceKey& key, ConfigurationSummary summary, std::int64_t of_fields,
                       Checked checked) {
   if (checked == Checked::as_version_5) summary.flags &= ~flags::beyond_force_limit;
-  std::vector<std::int64_t> bits{tool_space};
+  std::vector<std::int64_t> bits = bits_of(key);
   for_each_number_of_summary(summary, Gather{bits});
   if (checked != Checked::as_version_5) bits.push_back(of_fields);
   return checksum_of(bits);
 }
 
-std::int64_t checksum(ToolSpaceId tool_space, const LevelTransition& transition) {
-  std::vector<std::int64_t> bits{tool_space};
+std::int64_t checksum(const ToolSpaceKey& key, const LevelTransition& transition) {
+  std::vector<std::int64_t> bits = bits_of(key);
   for_each_number_of_transition(transition, Gather{bits});
   return checksum_of(bits);
 }
 
-std::int64_t checksum(ToolSpaceId tool_space, IntermediateState state, Checked checked) {
+std::int64_t checksum(const ToolSpaceKey& key, IntermediateState state, Checked checked) {
   if (checked == Checked::as_version_5) state.flags &= ~flags::beyond_force_limit;
-  std::vector<std::int64_t> bits{tool_space};
+  std::vector<std::int64_t> bits = bits_of(key);
   for_each_number_of_intermediate(state, Gather{bits});
   return checksum_of(bits);
 }
 
 std::int64_t checksum(const TestSet& set, const TestPoint& point) {
-  std::vector<std::int64_t> bits{set.tool_space, set.seed};
+  std::vector<std::int64_t> bits = bits_of(ToolSpaceKey{set.tool_space, set.body});
+  bits.push_back(set.seed);
   Gather{bits}(set.tip_radius);
   Gather{bits}(set.half_width);
   for_each_number_of_test_point(point, Gather{bits});
@@ -235,38 +229,35 @@ std::int64_t checksum(const TestSet& set, const TestPoint& point) {
                      checksum_of(bits));
 }
 
-std::int64_t checksum(const ReducedArrayRow& row, sqlite::Statement::Blob numbers) {
-  std::int64_t sum = checksum_of(row.model.data(), row.model.size(), 0);
+std::int64_t checksum(BodyId body, const ReducedArrayRow& row, sqlite::Statement::Blob numbers) {
+  std::int64_t sum = checksum_of(row.model.data(), row.model.size(), seed_of(body));
   sum = checksum_of(row.name.data(), row.name.size(), sum);
   const std::array<std::int64_t, 3> sizes = {row.num_arrays, row.num_rows, row.num_columns};
   sum = checksum_of(sizes.data(), sizeof sizes, sum);
   return checksum_of(numbers.data, numbers.bytes, sum);
 }
 
-std::int64_t checksum(const std::vector<char>& touchable, double solver_tolerance) {
-  std::vector<std::int64_t> bits;
+std::int64_t checksum(BodyId body, const std::vector<char>& touchable, double solver_tolerance) {
+  std::vector<std::int64_t> bits = bits_of(body);
   Gather{bits}(solver_tolerance);
   return checksum_of(touchable.data(), touchable.size(), checksum_of(bits));
 }
 
-std::int64_t checksum(const SettledBody& settled) {
+std::int64_t checksum(BodyId body, const SettledBody& settled) {
   const auto [u, u_bytes] = blob_of(settled.u);
   const auto [p, p_bytes] = blob_of(settled.p);
-  return checksum_of(u, u_bytes, checksum_of(p, p_bytes, 0));
+  return checksum_of(u, u_bytes, checksum_of(p, p_bytes, seed_of(body)));
 }
 
-std::int64_t checksum(const std::string& name, sqlite::Statement::Blob numbers) {
-  return checksum_of(numbers.data, numbers.bytes, checksum_of(name.data(), name.size(), 0));
+std::int64_t checksum(BodyId body, const std::string& name, sqlite::Statement::Blob numbers) {
+  return checksum_of(numbers.data, numbers.bytes,
+                     checksum_of(name.data(), name.size(), seed_of(body)));
 }
 
 bool is_possible(const ToolSpaceSetup& setup, std::int64_t num_points) {
-  const auto& [id, interaction, grid, policy] = setup;
-  // The number says which kind it is: what is touched is looked up by it.
-  const bool is_possible_tool =
-      interaction.is_contact()
-          ? id == kContactToolSpace && is_possible(interaction.tool)
-          : is_bonded(interaction, num_points) && id == interaction.active_node;
-  return is_possible_tool && grid.sparse == interaction.is_contact() && grid.origin.allFinite() &&
+  const Grid& grid = setup.grid;
+  const ExplorationPolicy& policy = setup.policy;
+  return storage::kind_of(setup).is_possible(setup, num_points) && grid.origin.allFinite() &&
          is_length(policy.depth) && is_length(grid.half_width) && is_length(policy.force_limit) &&
          is_length(policy.tolerance) && grid.resolution >= 1 && grid.resolution % 2 == 1 &&
          grid.resolution <= kLargestResolution && (grid.half_width > 0 || grid.resolution == 1) &&

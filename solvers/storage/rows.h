@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rows of a state-space file: the columns and the checksum of each kind of record, and what it
+// The rows of a state-space file: the numbers and the checksum of each kind of record, and what it
 // may hold.
 //
 // A file may be damaged, or made by anyone. A row is sound when its checksum is right and its
 // numbers are possible; what is not sound is left out. Each kind of record lists its numbers once,
-// in the order of its columns.
+// in the order of its columns in schema.sql.h.
+//
+// A checksum takes in the number of the body, so that a row is not taken for one of another body.
+// Of the first body it does not: files of one body have had no other.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +35,8 @@ enum class Checked { all, as_version_9, as_version_7, as_version_6, as_version_5
 /// files had then.
 template <class Space, class Visit>
 void for_each_number_of_tool_space(Space& space, Visit&& visit, Checked checked = Checked::all) {
-  auto& [id, interaction, grid, policy] = space.setup;
+  auto& [id, interaction, grid, policy, body] = space.setup;
+  (void)body;  // is a part of the key, as in all tables
   if (checked <= Checked::as_version_7) {
     visit(id);
     visit(interaction.kind);
@@ -64,12 +68,6 @@ void for_each_number_of_tool_space(Space& space, Visit&& visit, Checked checked 
   visit(grid.sparse);
   visit(policy.depth);
 }
-inline constexpr char tool_space_columns[] =
-    "tool_space_id, interaction, material_point, active_node, tip_radius, half_width, resolution, "
-    "force_limit, coarsest, tolerance, tolerance_is_relative, history, intermediate_states, "
-    "third_derivatives, complete, tool_shape, tool_radius, tool_axis, tool_length, tool_points, "
-    "tool_triangles, contact_thickness, contact_stiffness, origin, sparse, depth";
-inline constexpr int num_tool_space_columns = 26;
 
 /// The same for a summary.
 template <class Summary, class Visit>
@@ -94,14 +92,6 @@ void for_each_number_of_summary(Summary& c, Visit&& visit) {
   for (int a = 0; a < 3; ++a) visit(c.signature[a]);
   visit(c.third_derivative);
 }
-inline constexpr char summary_columns[] =
-    "i, j, k, level, parent_i, parent_j, parent_k, parent_level, t_x, t_y, t_z, energy, force_x, "
-    "force_y, force_z, stiffness_xx, stiffness_xy, stiffness_xz, stiffness_yx, stiffness_yy, "
-    "stiffness_yz, stiffness_zx, stiffness_zy, stiffness_zz, outcome, flags, residual, "
-    "minimum_det_f, negative_pivots, iterations, seconds, signature_x, signature_y, signature_z, "
-    "third_derivative";
-inline constexpr int num_summary_columns = 35;
-inline constexpr char field_columns[] = "u, v, p, p_v";
 
 /// A basis without its modes.
 struct BasisRow {
@@ -124,11 +114,6 @@ void for_each_number_of_basis(Row& row, Visit&& visit, Checked checked = Checked
   visit(row.basis.sensitivity_error);
   if (checked == Checked::all) visit(row.modes_checksum);
 }
-inline constexpr char basis_columns[] =
-    "number, first_i, first_j, first_k, last_i, last_j, last_k, keep, num_modes, "
-    "num_pressure_modes, num_pressures, largest_displacement, displacement_error, "
-    "sensitivity_error, modes_checksum";
-inline constexpr char mode_columns[] = "steps, modes";
 
 /// Which mode of a file of version 9 it is.
 struct ModeKey {
@@ -145,7 +130,6 @@ void for_each_number_of_transition(Transition& transition, Visit&& visit) {
   for (auto& x : transition.target) visit(x);
   visit(transition.reached);
 }
-inline constexpr char transition_columns[] = "i, j, k, level, to_i, to_j, to_k, reached";
 
 /// The same for an intermediate state.
 template <class State, class Visit>
@@ -159,15 +143,6 @@ void for_each_number_of_intermediate(State& state, Visit&& visit) {
   visit(state.flags);
   visit(state.seconds);
 }
-inline constexpr char intermediate_columns[] =
-    "i, j, k, number, t_x, t_y, t_z, energy, force_x, force_y, force_z, outcome, flags, seconds";
-
-/// The columns of for_each_number_of_test_point().
-inline constexpr char test_point_columns[] =
-    "kind, number, t_x, t_y, t_z, energy, force_x, force_y, force_z, stiffness_xx, stiffness_xy, "
-    "stiffness_xz, stiffness_yx, stiffness_yy, stiffness_yz, stiffness_zx, stiffness_zy, "
-    "stiffness_zz, outcome, flags, seconds";
-inline constexpr int num_test_point_columns = 21;
 
 /// Binds each number to the next parameter.
 struct Bind {
@@ -224,7 +199,6 @@ struct ReducedArrayRow {
   std::int64_t num_rows = 0;
   std::int64_t num_columns = 0;
 };
-inline constexpr char reduced_array_columns[] = "model, name, num_arrays, num_rows, num_columns";
 
 /// The fields of a configuration, u, v, p and p_v, as they lie in memory or in the file.
 using Fields = std::array<sqlite::Statement::Blob, 4>;
@@ -251,24 +225,29 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 [[nodiscard]] ReducedFields reduced_of(const Fields& fields);
 
 [[nodiscard]] std::int64_t checksum(const Fields& fields);
-[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, const BasisRow& row,
+[[nodiscard]] std::int64_t checksum(const ToolSpaceKey& key, const BasisRow& row,
                                     Checked checked = Checked::all);
-[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, const ModeKey& key,
+[[nodiscard]] std::int64_t checksum(const ToolSpaceKey& key, const ModeKey& mode,
                                     sqlite::Statement::Blob field);
 [[nodiscard]] std::int64_t checksum(const ToolSpace& space, Checked checked = Checked::all);
 /// @param of_fields The checksum of its fields.
-[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, ConfigurationSummary summary,
+[[nodiscard]] std::int64_t checksum(const ToolSpaceKey& key, ConfigurationSummary summary,
                                     std::int64_t of_fields, Checked checked = Checked::all);
-[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, const LevelTransition& transition);
-[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, IntermediateState state,
+[[nodiscard]] std::int64_t checksum(const ToolSpaceKey& key, const LevelTransition& transition);
+[[nodiscard]] std::int64_t checksum(const ToolSpaceKey& key, IntermediateState state,
                                     Checked checked = Checked::all);
 [[nodiscard]] std::int64_t checksum(const TestSet& set, const TestPoint& point);
-[[nodiscard]] std::int64_t checksum(const ReducedArrayRow& row, sqlite::Statement::Blob numbers);
+[[nodiscard]] std::int64_t checksum(BodyId body, const ReducedArrayRow& row,
+                                    sqlite::Statement::Blob numbers);
 /// The checksum of those parts of a scene that its hash does not take in.
-[[nodiscard]] std::int64_t checksum(const std::vector<char>& touchable, double solver_tolerance);
-[[nodiscard]] std::int64_t checksum(const SettledBody& settled);
+[[nodiscard]] std::int64_t checksum(BodyId body, const std::vector<char>& touchable,
+                                    double solver_tolerance);
+[[nodiscard]] std::int64_t checksum(BodyId body, const SettledBody& settled);
 /// Of an array of what holds and loads the surface.
-[[nodiscard]] std::int64_t checksum(const std::string& name, sqlite::Statement::Blob numbers);
+[[nodiscard]] std::int64_t checksum(BodyId body, const std::string& name,
+                                    sqlite::Statement::Blob numbers);
+
+[[nodiscard]] inline bool is_length(double x) { return std::isfinite(x) && x >= 0; }
 
 /// Whether the numbers are ones that a program may rely on: indices that exist, and sizes for which
 /// there is memory.

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tables of a state-space file, see storage/state_space_file.h.
 //
-// Files of versions 5 to 8 are read too. Those before version 9 have no reduced fields, and no
-// tables "basis" and "mode". In versions 5 and 6 there a table "site" is in place of "tool_space"
-// and its key in the other tables is the active node: that was the number of a tool space. Its
-// checksum takes in the columns from active_node on. A file of version 5 has no checksum of a scene
-// or a tool space; its summary_checksum does not take in the column checksum; this and that of an
-// intermediate state take flags without bit 4.
+// Files of versions 5 to 9 are read too, see versions.h. In version 9 each mode of a basis has a
+// row, in a table "mode"; those before have no reduced fields, and neither table. In versions 5 and
+// 6 a table "site" is in place of "tool_space", and its key in the other tables is the active node:
+// that was the number of a tool space. Its checksum takes in the columns from active_node on. A
+// file of version 5 has no checksum of a scene or a tool space; its summary_checksum does not take
+// in the column checksum; this and that of an intermediate state take flags without bit 4.
+//
+// Of a body that is not the first, each checksum takes in scene_id first.
 #pragma once
 
-namespace palpate {
+namespace palpate::storage {
 
 // Columns of floating-point numbers have no type: with the type REAL, SQLite would store -0 as 0.
 // The key of a configuration has no column that SQLite makes up, so that files of different ranks
@@ -270,4 +272,14 @@ CREATE TABLE reduced_array (          -- of a reduced model, or of what was foun
 );
 )sql";
 
-}  // namespace palpate
+/// A table that not every file has: it is made when its first row is stored.
+struct OptionalTable {
+  const char* name;
+  const char* schema;
+};
+inline constexpr OptionalTable optional_tables[] = {{"reduced_array", kReducedSchema},
+                                                    {"body_force", kBodyForceSchema},
+                                                    {"boundary_array", kBoundarySchema},
+                                                    {"contact_offset", kContactOffsetSchema}};
+
+}  // namespace palpate::storage

@@ -15,12 +15,12 @@ namespace {
 /// What is reduced of the configurations, by index, empty of those that are damaged; nothing where
 /// one has its fields whole.
 std::optional<std::vector<ReducedFields>> read_reduced(
-    const StateSpaceFile& file, ToolSpaceId tool_space,
+    const StateSpaceFile& file, const ToolSpaceKey& key,
     const std::vector<ConfigurationSummary>& summaries) {
   std::vector<ReducedFields> reduced(summaries.size());
   for (std::size_t s = 0; s < summaries.size(); ++s) {
     StoredFields stored;
-    if (!summaries[s].usable() || !file.read_stored(tool_space, summaries[s], stored)) continue;
+    if (!summaries[s].usable() || !file.read_stored(key, summaries[s], stored)) continue;
     if (stored.basis == nullptr) return std::nullopt;
     reduced[s] = std::move(stored.reduced);
   }
@@ -33,29 +33,29 @@ std::vector<ConfigurationSummary> summaries_of(const std::vector<Configuration>&
 
 }  // namespace
 
-TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
+TouchSpace make_touch_space(const StateSpaceFile& file, double bound, BodyId body) {
   validate_pod_bound(bound);
-  const Scene scene = file.read_scene();
-  TouchSpace space = make_empty_touch_space(scene, file.scene_hash());
+  const Scene scene = file.read_scene(body);
+  TouchSpace space = make_empty_touch_space(scene, file.scene_hash(body));
   std::vector<std::string> without_fields;
-  for (const ToolSpace& tool_space : file.read_tool_spaces()) {
-    const ToolSpaceId id = tool_space.setup.id;
-    const std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(id));
-    std::vector<IntermediateState> states = file.read_intermediate_states(id);
+  for (const ToolSpace& tool_space : file.read_tool_spaces(body)) {
+    const ToolSpaceKey key = tool_space.setup.key();
+    const std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(key));
+    std::vector<IntermediateState> states = file.read_intermediate_states(key);
     if (tool_space.setup.interaction.is_contact()) {
       add_tool_space(scene, tool_space.setup, summaries, std::move(states), nullptr, {}, space);
       continue;
     }
     // Of an active node there is one at the most.
-    const auto bases = file.list_bases(id);
-    const auto basis = bases.empty() ? nullptr : file.read_basis(id, bases.front().number);
-    if (const auto reduced = basis == nullptr ? std::nullopt : read_reduced(file, id, summaries)) {
+    const auto bases = file.bases().list(key);
+    const auto basis = bases.empty() ? nullptr : file.bases().read(key, bases.front().number);
+    if (const auto reduced = basis == nullptr ? std::nullopt : read_reduced(file, key, summaries)) {
       std::vector<const ReducedFields*> fields;
       for (const ReducedFields& of : *reduced) fields.push_back(of.v.cols() > 0 ? &of : nullptr);
       add_tool_space(scene, tool_space.setup, summaries, std::move(states), basis.get(), fields,
                      space);
       // Those of many active nodes are not in memory twice.
-      file.forget_bases();
+      file.bases().forget();
       continue;
     }
     Configuration current;
@@ -65,7 +65,7 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
         [&](std::size_t c) -> const Configuration* {
           static_cast<ConfigurationSummary&>(current) = summaries[c];
           if (damaged.count(c) > 0) return nullptr;
-          if (!file.read_fields(id, current)) {
+          if (!file.read_fields(key, current)) {
             damaged.insert(c);
             return nullptr;
           }
@@ -88,14 +88,14 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
   return space;
 }
 
-TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
-  const Scene scene = file.read_scene();
-  TouchSpace space = make_empty_touch_space(scene, file.scene_hash());
+TouchSpace make_touch_space_without_modes(const StateSpaceFile& file, BodyId body) {
+  const Scene scene = file.read_scene(body);
+  TouchSpace space = make_empty_touch_space(scene, file.scene_hash(body));
   space.file = file.path().string();
-  for (const ToolSpace& from : file.read_tool_spaces()) {
-    const ToolSpaceId id = from.setup.id;
-    add_tool_space(scene, from.setup, summaries_of(file.read_summaries(id)),
-                   file.read_intermediate_states(id), nullptr, {}, space);
+  for (const ToolSpace& from : file.read_tool_spaces(body)) {
+    const ToolSpaceKey key = from.setup.key();
+    add_tool_space(scene, from.setup, summaries_of(file.read_summaries(key)),
+                   file.read_intermediate_states(key), nullptr, {}, space);
   }
   space.left_out = file.left_out();
   return space;

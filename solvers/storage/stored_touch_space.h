@@ -8,14 +8,16 @@
 
 namespace palpate {
 
-/// Makes the touch space of a file, with the fields of a batch of configurations in memory at a
-/// time. Where the file has modes, these are taken, and the bound does not matter. Configurations
-/// whose fields are damaged or not finite are left out.
+/// Makes the touch space of a body of a file, with the fields of a batch of configurations in
+/// memory at a time. Where the file has modes, these are taken, and the bound does not matter.
+/// Configurations whose fields are damaged or not finite are left out.
 /// @throws InputError the bound is out of range.
 [[nodiscard]] TouchSpace make_touch_space(const StateSpaceFile& file,
-                                          double bound = kDefaultTouchBound);
+                                          double bound = kDefaultTouchBound,
+                                          BodyId body = kFirstBody);
 
 /// Does the same without modes, for a program that feels and does not show: no field is read.
-[[nodiscard]] TouchSpace make_touch_space_without_modes(const StateSpaceFile& file);
+[[nodiscard]] TouchSpace make_touch_space_without_modes(const StateSpaceFile& file,
+                                                        BodyId body = kFirstBody);
 
 }  // namespace palpate

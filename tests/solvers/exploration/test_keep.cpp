@@ -67,7 +67,7 @@ class Kept : public testing::Test {
   void expect_right_fields(const std::string& reduced, const std::string& whole, Keep keep) const {
     const StateSpaceFile of = StateSpaceFile::open_read_only(file(reduced));
     const StateSpaceFile from = StateSpaceFile::open_read_only(file(whole));
-    EXPECT_EQ(of.keep(), keep);
+    EXPECT_EQ(of.bases().keep(), keep);
     EXPECT_EQ(from.keep(), Keep::all);
     const Surface surface = make_surface(block_.scene.mesh);
     const std::vector<Index> points = kept_points(block_.scene.mesh, surface, keep);
@@ -195,7 +195,7 @@ TEST_F(Kept, UntilNothingIsLeftToFindAllIsKept) {
   const PrecomputeResult part = run(Keep::surface, "a");
   EXPECT_FALSE(part.report.complete);
   if (world_->rank() == 0) {
-    EXPECT_EQ(StateSpaceFile::open_read_only(file("a")).keep(), Keep::all);
+    EXPECT_EQ(StateSpaceFile::open_read_only(file("a")).bases().keep(), Keep::all);
     EXPECT_GT(part.space.tool_spaces[0].modes.cols(), 0);
   }
   progress_ = nullptr;

@@ -76,10 +76,11 @@ class ForgedFileTest : public testing::Test {
     point.t = Vec3(0.001, 0.002, 0.003);
     point.outcome = Outcome::converged;
     point.displacement = Eigen::VectorXf::LinSpaced(24, 1, 2);
-    file.add(kTestSet, point);
-    file.add_reduced_model("0123456789abcdef", {{"Basis", Eigen::MatrixXd::Random(24, 2)},
-                                                {"Mass", Eigen::Matrix2d::Identity()}});
-    file.add_training("fedcba9876543210", "Equilibria", Eigen::MatrixXd::Random(24, 3));
+    file.test_points().add(kTestSet, point);
+    file.reduced_models().add("0123456789abcdef", {{"Basis", Eigen::MatrixXd::Random(24, 2)},
+                                                   {"Mass", Eigen::Matrix2d::Identity()}});
+    file.reduced_models().add_training("fedcba9876543210", "Equilibria",
+                                       Eigen::MatrixXd::Random(24, 3));
     file.close();
   }
   void add_whole(StateSpaceFile& file) const {
@@ -123,7 +124,7 @@ class ForgedFileTest : public testing::Test {
     basis.modes = Eigen::MatrixXf::Random(3 * num_kept, 3);
     basis.pressure_modes = Eigen::MatrixXf::Random(count_pressures(scene_), 2);
     basis.steps = Eigen::VectorXf::Zero(5);
-    file.add_basis(kReduced, 0, pack(basis));
+    file.bases().add(kReduced, 0, pack(basis));
     test::for_each_check_point(setup, [&](const CheckPoint& at) {
       const Configuration c = test::example_configuration(scene_, setup, at);
       ReducedFields fields{Eigen::VectorXf::Random(3), Eigen::MatrixXf::Random(3, 3),
@@ -189,9 +190,10 @@ class ForgedFileTest : public testing::Test {
   }
   void read() const {
     const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
-    (void)file.read_test_points(kTestSet);
-    for (const std::string& key : file.list_reduced_models()) (void)file.read_reduced_model(key);
-    (void)file.read_training("fedcba9876543210");
+    (void)file.test_points().read(kTestSet);
+    for (const std::string& key : file.reduced_models().list())
+      (void)file.reduced_models().read(key);
+    (void)file.reduced_models().read_training("fedcba9876543210");
     (void)file.left_out();
     (void)file.read(true);
   }
@@ -284,7 +286,7 @@ TEST_F(ForgedFileTest, ABlobOfAnyOtherLengthIsLeftOutOrRefused) {
                   "");
       }
       if (column.table == "basis") {
-        EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_basis(kReduced, 0), nullptr);
+        EXPECT_EQ(StateSpaceFile::open_read_only(path_).bases().read(kReduced, 0), nullptr);
       }
       use();
     }

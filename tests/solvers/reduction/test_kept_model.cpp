@@ -111,8 +111,8 @@ TEST_F(KeptModelTest, IsReadAsItWasBuilt) {
   EXPECT_TRUE(read.was_there);
   const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
   const std::string key = key_of_model(block_.scene, {rheology_}, tools_, options_);
-  EXPECT_EQ(file.list_reduced_models(), std::vector<std::string>{key});
-  EXPECT_TRUE(file.read_training(key).empty());
+  EXPECT_EQ(file.reduced_models().list(), std::vector<std::string>{key});
+  EXPECT_TRUE(file.reduced_models().read_training(key).empty());
 }
 
 TEST_F(KeptModelTest, UnderGravityItIsReadAsItWasBuilt) {
@@ -134,7 +134,7 @@ TEST_F(KeptModelTest, UnderGravityItIsReadAsItWasBuilt) {
   EXPECT_EQ(without.rest.size(), 0);
   EXPECT_EQ(arrays_of(without.model).count("RestGradients"), 0U);
   const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
-  EXPECT_EQ(file.list_reduced_models().size(), 2U);
+  EXPECT_EQ(file.reduced_models().list().size(), 2U);
 }
 
 TEST_F(KeptModelTest, WithSupportsAndATractionItIsReadAsItWasBuilt) {
@@ -188,7 +188,7 @@ TEST_F(KeptModelTest, GoesOnToTheSameBits) {
     }
     if (world_->rank() != 0) continue;
     const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
-    const std::size_t found = file.read_training(key).size();
+    const std::size_t found = file.reduced_models().read_training(key).size();
     EXPECT_GT(found, num_found);
     num_found = found;
   }
@@ -214,7 +214,7 @@ TEST_F(KeptModelTest, GoesOnAfterKill9) {
   int status = 0;
   waitpid(child, &status, 0);
   ASSERT_TRUE(WIFSIGNALED(status));
-  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_training(key).size(), 2U);
+  EXPECT_EQ(StateSpaceFile::open_read_only(path_).reduced_models().read_training(key).size(), 2U);
   expect_same(build(path_), whole);
 }
 
@@ -236,7 +236,7 @@ TEST_F(KeptModelTest, TrainingOfAnotherShapeIsNotGoneOnFrom) {
       StateSpaceFile file =
           StateSpaceFile::create(path_, block_.scene, options_.equilibrium.tolerance);
       for (const char* name : {"OneTool0", "OneTool1", "Motion2", "Motion7", "Motion8"}) {
-        file.add_training(key, name, matrix);
+        file.reduced_models().add_training(key, name, matrix);
       }
       file.close();
     }
@@ -253,8 +253,8 @@ TEST_F(KeptModelTest, TrainingBeyondAllMeasureIsNotGoneOnFrom) {
     StateSpaceFile file =
         StateSpaceFile::create(path_, block_.scene, options_.equilibrium.tolerance);
     const Eigen::Index rows = 3 * Eigen::Index{block_.scene.mesh.num_points()} + 3;
-    file.add_training(key, "OneTool0", Eigen::MatrixXd::Constant(rows, 3, 1e308));
-    file.add_training(key, "OneTool1", Eigen::MatrixXd::Constant(rows, 3, 1e9));
+    file.reduced_models().add_training(key, "OneTool0", Eigen::MatrixXd::Constant(rows, 3, 1e308));
+    file.reduced_models().add_training(key, "OneTool1", Eigen::MatrixXd::Constant(rows, 3, 1e9));
     file.close();
   }
   (void)any(*world_, false);
@@ -267,9 +267,9 @@ TEST_F(KeptModelTest, FiguresThatAreNotFiniteAreToldByName) {
     const std::string key = key_of_model(block_.scene, {rheology_}, tools_, options_);
     StateSpaceFile file =
         StateSpaceFile::open_to_append(path_, block_.scene, options_.equilibrium.tolerance);
-    StateSpaceFile::Arrays arrays = *file.read_reduced_model(key);
+    storage::Arrays arrays = *file.reduced_models().read(key);
     arrays.at("Basis")(5, 2) = std::numeric_limits<double>::quiet_NaN();
-    file.add_reduced_model(key, arrays);
+    file.reduced_models().add(key, arrays);
     file.close();
   }
   const std::string message = message_of_build();
@@ -426,8 +426,8 @@ TEST_F(KeptModelTest, PlacesServeToolsThatMove) {
   options_.tolerance *= 2;
   EXPECT_EQ(places_key(), key);
   const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
-  EXPECT_EQ(file.list_reduced_models().size(), 3U);
-  EXPECT_TRUE(file.read_training(key).empty());
+  EXPECT_EQ(file.reduced_models().list().size(), 3U);
+  EXPECT_TRUE(file.reduced_models().read_training(key).empty());
 }
 
 TEST_F(KeptModelTest, PlacesUnderGravityAreKeptWithTheirRest) {
@@ -485,7 +485,9 @@ TEST_F(KeptModelTest, PlacesGoOnAfterKill9) {
   int status = 0;
   waitpid(child, &status, 0);
   ASSERT_TRUE(WIFSIGNALED(status));
-  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_training(places_key()).size(), 4U);
+  EXPECT_EQ(
+      StateSpaceFile::open_read_only(path_).reduced_models().read_training(places_key()).size(),
+      4U);
   int num_trained = 0;
   options_.report = [&](const std::string& what) {
     num_trained += what.find("place") != std::string::npos ? 1 : 0;

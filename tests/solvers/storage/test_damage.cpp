@@ -46,8 +46,8 @@ TestPoint example_test_point() {
 
 constexpr char kModel[] = "0123456789abcdef";
 
-StateSpaceFile::Arrays example_model() {
-  StateSpaceFile::Arrays arrays;
+storage::Arrays example_model() {
+  storage::Arrays arrays;
   arrays["Basis"] = Eigen::VectorXd::LinSpaced(48, -1, 2).reshaped(24, 2);
   arrays["Mass"] = Eigen::Matrix2d::Identity();
   return arrays;
@@ -79,9 +79,9 @@ class DamageTest : public testing::Test {
       file.add(kNode, c, i == 0 ? std::vector<IntermediateState>() : test::example_way(c, 1));
     }
     file.add(kNode, LevelTransition{{0, 0, 0}, 0, {1, 0, 0}, 0});
-    file.add(kTestSet, example_test_point());
+    file.test_points().add(kTestSet, example_test_point());
     file.set_complete(kNode, true);
-    file.add_reduced_model(kModel, example_model());
+    file.reduced_models().add(kModel, example_model());
     file.close();
   }
   void change(const std::string& sql) const { Database(path_, Access::read_write).execute(sql); }
@@ -110,9 +110,9 @@ class DamageTest : public testing::Test {
     try {
       const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
       const StateSpace space = file.read(true);
-      const std::vector<TestPoint> points = file.read_test_points(kTestSet);
+      const std::vector<TestPoint> points = file.test_points().read(kTestSet);
       std::vector<std::string> left_out;
-      const std::optional<StateSpaceFile::Arrays> model = file.read_reduced_model(kModel);
+      const std::optional<storage::Arrays> model = file.reduced_models().read(kModel);
       EXPECT_TRUE(!model || *model == example_model());
       left_out = file.left_out();
       // A test point of another set, and an array of another model, is not asked for.
@@ -149,8 +149,8 @@ class DamageTest : public testing::Test {
   [[nodiscard]] std::vector<std::string> left_out() const {
     const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
     (void)file.read(true);
-    (void)file.read_test_points(kTestSet);
-    (void)file.read_reduced_model(kModel);
+    (void)file.test_points().read(kTestSet);
+    (void)file.reduced_models().read(kModel);
     return file.left_out();
   }
   [[nodiscard]] std::string refusal() const {
@@ -272,11 +272,11 @@ TEST_F(DamageTest, AReducedModelThatIsDamagedIsBuiltAgain) {
   const std::string name = std::string("array Mass of the reduced model ") + kModel;
   EXPECT_EQ(left_out(), std::vector<std::string>{name});
   StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
-  EXPECT_FALSE(file.read_reduced_model(kModel).has_value());
+  EXPECT_FALSE(file.reduced_models().read(kModel).has_value());
   EXPECT_EQ(file.remove_damaged(), std::vector<std::string>{name});
-  EXPECT_TRUE(file.list_reduced_models().empty());
-  file.add_reduced_model(kModel, example_model());
-  EXPECT_EQ(file.read_reduced_model(kModel), example_model());
+  EXPECT_TRUE(file.reduced_models().list().empty());
+  file.reduced_models().add(kModel, example_model());
+  EXPECT_EQ(file.reduced_models().read(kModel), example_model());
   EXPECT_TRUE(file.remove_damaged().empty());
 }
 
@@ -288,7 +288,7 @@ TEST_F(DamageTest, MergesWhatIsSound) {
   EXPECT_EQ(left_out, std::vector<std::string>{"configuration (1, 0, 0) of active node 8"});
   EXPECT_EQ(file.read_summaries(kNode).size(), 2U);
   EXPECT_EQ(file.read_intermediate_states(kNode).size(), 1U);
-  EXPECT_EQ(file.read_test_points(kTestSet).size(), 1U);
+  EXPECT_EQ(file.test_points().read(kTestSet).size(), 1U);
 }
 
 TEST_F(DamageTest, RefusesWhatPalpateDoesNotMake) {
@@ -478,7 +478,7 @@ class OlderVersionTest : public DamageTest, public testing::WithParamInterface<i
         EXPECT_TRUE(c.u.isApprox(right.u, 1e-14) && c.v.isApprox(right.v, 1e-14));
       }
     }
-    EXPECT_EQ(file.read_test_points(TestSet{3, 0.001, 0.02, 7}).size(), 1U);
+    EXPECT_EQ(file.test_points().read(TestSet{3, 0.001, 0.02, 7}).size(), 1U);
     EXPECT_TRUE(file.left_out().empty());
   }
   [[nodiscard]] std::int64_t version() const {
@@ -502,9 +502,9 @@ class VersionWithAModeARow : public DamageTest {
     int num_read = 0;
     for (const ToolSpace& space : file.read_tool_spaces()) {
       const InteractionSpec& tool = space.setup.interaction;
-      const auto bases = file.list_bases(space.setup.id);
+      const auto bases = file.bases().list(space.setup.id);
       ASSERT_EQ(bases.size(), 1U);
-      const auto basis = file.read_basis(space.setup.id, bases.front().number);
+      const auto basis = file.bases().read(space.setup.id, bases.front().number);
       ASSERT_NE(basis, nullptr);
       for (Configuration c : file.read_summaries(space.setup.id)) {
         ASSERT_TRUE(file.read_fields(space.setup.id, c));
@@ -525,7 +525,8 @@ TEST_F(VersionWithAModeARow, IsReadAndConvertedToTheBit) {
   const TouchSpace before = make_touch_space(StateSpaceFile::open_read_only(path_));
   expect_right_fields(StateSpaceFile::open_read_only(path_));
   upgrade();
-  EXPECT_EQ(Database(path_, Access::read_only).integer("PRAGMA user_version"), kSchemaVersion);
+  EXPECT_EQ(Database(path_, Access::read_only).integer("PRAGMA user_version"),
+            storage::kSchemaVersion);
   expect_right_fields(StateSpaceFile::open_read_only(path_));
   const TouchSpace after = make_touch_space(StateSpaceFile::open_read_only(path_));
   ASSERT_EQ(after.tool_spaces.size(), 2U);
@@ -567,7 +568,7 @@ TEST_P(OlderVersionTest, IsResumed) {
     expect_whole(file);
     file.close();
   }
-  EXPECT_EQ(version(), kSchemaVersion);
+  EXPECT_EQ(version(), storage::kSchemaVersion);
   expect_whole(StateSpaceFile::open_read_only(path_));
   StateSpaceFile file = StateSpaceFile::open_to_append(path_, small_scene_, kTolerance);
   ToolSpaceSetup tool_space = file.read_tool_spaces()[0].setup;

@@ -166,30 +166,30 @@ TEST_F(StateSpaceFileTest, ABasisIsLargerThanAllFieldsOfTheBody) {
   basis.steps.setZero(200);
   ASSERT_GT(basis.modes.size() * sizeof(float), 3 * 12 * sizeof(double) * scene_.mesh.num_points());
   const auto expect_it_there = [&](const StateSpaceFile& file) {
-    const auto back = file.read_basis(tool_space, 0);
+    const auto back = file.bases().read(tool_space, 0);
     ASSERT_NE(back, nullptr);
     EXPECT_EQ(back->modes, basis.modes);
     EXPECT_TRUE(file.left_out().empty());
   };
   {
     StateSpaceFile file = create();
-    file.add_basis(tool_space, 0, pack(basis));
+    file.bases().add(tool_space, 0, pack(basis));
     file.shrink();
     expect_it_there(file);
-    const std::weak_ptr<const FieldBasis> in_memory = file.read_basis(tool_space, 0);
+    const std::weak_ptr<const FieldBasis> in_memory = file.bases().read(tool_space, 0);
     EXPECT_FALSE(in_memory.expired());
-    file.forget_bases();
+    file.bases().forget();
     EXPECT_TRUE(in_memory.expired());
     expect_it_there(file);
   }
   {
     StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
     // Something goes, so that there is something to shrink.
-    file.add_basis(tool_space, 1, pack(basis));
+    file.bases().add(tool_space, 1, pack(basis));
     FieldBasis small = basis;
     small.modes = basis.modes.leftCols(1);
     small.steps = basis.steps.head(1);
-    file.add_basis(tool_space, 1, pack(small));
+    file.bases().add(tool_space, 1, pack(small));
     file.shrink();
   }
   expect_it_there(StateSpaceFile::open_read_only(path_));
@@ -541,22 +541,22 @@ TEST_F(StateSpaceFileTest, TestPointsAreKeptBySetAndMerged) {
     StateSpaceFile file = create();
     StateSpaceFile other = StateSpaceFile::create(other_path, scene_, kTolerance);
     for (std::int32_t number = 0; number < 6; ++number) {
-      (number < 3 ? file : other).add(kTestSet, example_test_point(number));
+      (number < 3 ? file : other).test_points().add(kTestSet, example_test_point(number));
     }
-    file.add(other_set, example_test_point(1));
-    file.add(kTestSet, example_test_point(2));
+    file.test_points().add(other_set, example_test_point(1));
+    file.test_points().add(kTestSet, example_test_point(2));
     other.close();
     EXPECT_TRUE(file.merge(other_path).empty());
     file.close();
   }
   const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
-  const std::vector<TestPoint> points = file.read_test_points(kTestSet);
+  const std::vector<TestPoint> points = file.test_points().read(kTestSet);
   ASSERT_EQ(points.size(), 6U);
   EXPECT_TRUE(std::is_sorted(points.begin(), points.end()));
   for (const TestPoint& point : points) expect_same(point, example_test_point(point.number));
-  EXPECT_EQ(file.read_test_points(other_set).size(), 1U);
+  EXPECT_EQ(file.test_points().read(other_set).size(), 1U);
   other_set.half_width = 0.03;
-  EXPECT_TRUE(file.read_test_points(other_set).empty());
+  EXPECT_TRUE(file.test_points().read(other_set).empty());
   fs::remove(other_path);
 }
 
@@ -585,7 +585,7 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
       }
     }
     for (std::int32_t number = 0; number < kTestPoints; ++number) {
-      file.add(kTestSet, example_test_point(number));
+      file.test_points().add(kTestSet, example_test_point(number));
     }
     file.close();
   }
@@ -615,7 +615,7 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
         expect_same(state, *right);
         --num_missing;
       }
-      for (const TestPoint& point : file.read_test_points(kTestSet)) {
+      for (const TestPoint& point : file.test_points().read(kTestSet)) {
         ASSERT_LT(point.number, kTestPoints) << place;
         expect_same(point, example_test_point(point.number));
         --num_missing;
@@ -773,9 +773,10 @@ TEST_F(StateSpaceFileTest, LeavesDatabasesOfOthersAlone) {
 TEST_F(StateSpaceFileTest, RefusesOtherSchemas) {
   create().close();
   const auto open = [&] { (void)StateSpaceFile::open_read_only(path_); };
-  poke(60, std::string("\0\0\0", 3) + static_cast<char>(kSchemaVersion + 1));  // user_version
+  poke(60,
+       std::string("\0\0\0", 3) + static_cast<char>(storage::kSchemaVersion + 1));  // user_version
   expect_mentions(message_of<InputError>(open),
-                  {"version " + std::to_string(kSchemaVersion + 1), "newer"});
+                  {"version " + std::to_string(storage::kSchemaVersion + 1), "newer"});
   for (char older : {'\1', '\2', '\3', '\4'}) {
     poke(60, std::string("\0\0\0", 3) + older);
     expect_mentions(message_of<InputError>(open),
@@ -883,35 +884,36 @@ TEST_F(StateSpaceFileTest, KeepsReducedModelsToTheBit) {
     const sqlite::Database database(path_, sqlite::Access::read_only);
     return database.integer("SELECT count(*) FROM sqlite_master WHERE name = 'reduced_array'");
   };
-  StateSpaceFile::Arrays arrays;
+  storage::Arrays arrays;
   arrays["Basis"] = Eigen::MatrixXd::Random(3 * scene_.mesh.num_points(), 500);
   arrays["Odd"] = Eigen::RowVector4d(-0.0, std::numeric_limits<double>::quiet_NaN(),
                                      std::numeric_limits<double>::infinity(), 5e-324);
   arrays["Empty"].resize(3, 0);
-  const StateSpaceFile::Arrays other = {{"Basis", Eigen::Matrix2d::Identity()}};
+  const storage::Arrays other = {{"Basis", Eigen::Matrix2d::Identity()}};
   StateSpaceFile::create(path_, scene_, kTolerance).close();
   EXPECT_EQ(num_tables(), 0) << "a file without a model has nothing of it";
   {
     StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
-    EXPECT_TRUE(file.list_reduced_models().empty());
-    EXPECT_FALSE(file.read_reduced_model("a").has_value());
-    EXPECT_TRUE(file.read_training("a").empty());
-    file.add_training("a", "Equilibria", arrays["Basis"]);
-    file.add_training("b", "Equilibria", other.at("Basis"));
-    EXPECT_TRUE(file.list_reduced_models().empty());
-    EXPECT_TRUE(same_bits(file.read_training("a").at("Equilibria"), arrays["Basis"]));
-    file.add_reduced_model("a", other);
-    file.add_reduced_model("b", other);
-    file.add_reduced_model("a", arrays);
+    EXPECT_TRUE(file.reduced_models().list().empty());
+    EXPECT_FALSE(file.reduced_models().read("a").has_value());
+    EXPECT_TRUE(file.reduced_models().read_training("a").empty());
+    file.reduced_models().add_training("a", "Equilibria", arrays["Basis"]);
+    file.reduced_models().add_training("b", "Equilibria", other.at("Basis"));
+    EXPECT_TRUE(file.reduced_models().list().empty());
+    EXPECT_TRUE(
+        same_bits(file.reduced_models().read_training("a").at("Equilibria"), arrays["Basis"]));
+    file.reduced_models().add("a", other);
+    file.reduced_models().add("b", other);
+    file.reduced_models().add("a", arrays);
     file.close();
   }
   EXPECT_EQ(num_tables(), 1);
   const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
-  EXPECT_EQ(file.list_reduced_models(), (std::vector<std::string>{"b", "a"}));
-  EXPECT_EQ(file.read_reduced_model("b"), other);
-  EXPECT_FALSE(file.read_reduced_model("c").has_value());
-  EXPECT_TRUE(file.read_training("a").empty()) << "the model is complete";
-  const std::optional<StateSpaceFile::Arrays> read = file.read_reduced_model("a");
+  EXPECT_EQ(file.reduced_models().list(), (std::vector<std::string>{"b", "a"}));
+  EXPECT_EQ(file.reduced_models().read("b"), other);
+  EXPECT_FALSE(file.reduced_models().read("c").has_value());
+  EXPECT_TRUE(file.reduced_models().read_training("a").empty()) << "the model is complete";
+  const std::optional<storage::Arrays> read = file.reduced_models().read("a");
   ASSERT_TRUE(read.has_value());
   ASSERT_EQ(read->size(), arrays.size());
   for (const auto& [name, array] : arrays) EXPECT_TRUE(same_bits(read->at(name), array)) << name;
@@ -919,14 +921,14 @@ TEST_F(StateSpaceFileTest, KeepsReducedModelsToTheBit) {
 }
 
 TEST_F(StateSpaceFileTest, BecomesSmallerWithAReducedModelInIt) {
-  const StateSpaceFile::Arrays large = {
+  const storage::Arrays large = {
       {"Basis", Eigen::MatrixXd::Random(3 * scene_.mesh.num_points(), 5000)}};
-  const StateSpaceFile::Arrays small = {{"Basis", Eigen::Matrix2d::Identity()}};
+  const storage::Arrays small = {{"Basis", Eigen::Matrix2d::Identity()}};
   {
     StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
-    file.add_reduced_model("a", large);
-    file.add_reduced_model("b", large);
-    file.add_reduced_model("b", small);
+    file.reduced_models().add("a", large);
+    file.reduced_models().add("b", large);
+    file.reduced_models().add("b", small);
     file.close();
   }
   const auto size = fs::file_size(path_);
@@ -936,7 +938,7 @@ TEST_F(StateSpaceFileTest, BecomesSmallerWithAReducedModelInIt) {
     file.close();
   }
   EXPECT_LT(static_cast<double>(fs::file_size(path_)), 0.6 * static_cast<double>(size));
-  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_reduced_model("a"), large);
+  EXPECT_EQ(StateSpaceFile::open_read_only(path_).reduced_models().read("a"), large);
 }
 
 TEST_F(StateSpaceFileTest, OneWriterAtATime) {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "materials/material.h"
-#include "storage/rows.h"
 #include "storage/sqlite.h"
+#include "storage/table.h"
 
 namespace palpate::test {
 namespace {
@@ -23,6 +23,7 @@ namespace {
 using sqlite::Access;
 using sqlite::Database;
 using sqlite::Statement;
+using storage::Table;
 using Bits = std::vector<std::int64_t>;
 
 std::int64_t checksum(const void* data, std::size_t bytes, std::int64_t seed = 0) {
@@ -214,17 +215,20 @@ void seal(const std::filesystem::path& file) {
   const Database database(file, Access::read_write);
   sqlite::Transaction transaction(database);
   const std::string id = "tool_space_id, ";
-  seal_numbers(database, "tool_space", "checksum", rows::tool_space_columns);
-  seal_blobs(database, "configuration", "checksum", rows::field_columns);
+  seal_numbers(database, "tool_space", "checksum",
+               Table("tool_space").columns("tool_space_id", "checksum"));
+  seal_blobs(database, "configuration", "checksum", "u, v, p, p_v");
   seal_numbers(database, "configuration", "summary_checksum",
-               id + rows::summary_columns + ", checksum");
-  seal_blobs(database, "basis", "modes_checksum", rows::mode_columns);
-  seal_numbers(database, "basis", "checksum", id + rows::basis_columns);
-  seal_numbers(database, "transition", "checksum", id + rows::transition_columns);
-  seal_numbers(database, "intermediate", "checksum", id + rows::intermediate_columns);
+               id + Table("configuration").columns("i", "summary_checksum") + ", checksum");
+  seal_blobs(database, "basis", "modes_checksum", "steps, modes");
+  seal_numbers(database, "basis", "checksum", id + Table("basis").columns("number", "checksum"));
+  seal_numbers(database, "transition", "checksum",
+               id + Table("transition").columns("i", "checksum"));
+  seal_numbers(database, "intermediate", "checksum",
+               id + Table("intermediate").columns("i", "checksum"));
   const auto of_test_point = types_of(database, "test_point");
-  const std::string test_columns =
-      std::string("tool_space_id, seed, tip_radius, half_width, ") + rows::test_point_columns;
+  const std::string test_columns = "tool_space_id, seed, tip_radius, half_width, " +
+                                   Table("test_point").columns("kind", "checksum");
   seal_rows(database, "test_point", "checksum", test_columns + ", displacement",
             [&](Statement& select) {
               Bits bits;
@@ -235,7 +239,8 @@ void seal(const std::filesystem::path& file) {
             });
   if (has_table(database, "reduced_array")) {
     seal_rows(database, "reduced_array", "checksum",
-              std::string(rows::reduced_array_columns) + ", numbers", [](Statement& select) {
+              Table("reduced_array").columns("model", "checksum") + ", numbers",
+              [](Statement& select) {
                 const std::string model = select.take_text();
                 const std::string name = select.take_text();
                 std::array<std::int64_t, 3> sizes{};

@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/bodies.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+#include "assembly/pressures.h"
+#include "base/error.h"
+#include "base/printable.h"
+#include "storage/blob_sizes.h"
+#include "storage/schema.h"
+#include "storage/table.h"
+
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "The blobs of a state space are little-endian and are written as they lie in memory."
+#endif
+
+namespace palpate::storage {
+namespace {
+
+using blobs::kLargestRow;
+using sqlite::Database;
+using sqlite::Statement;
+
+constexpr char kBodyForce[] = "body_force";
+constexpr char kBoundary[] = "boundary_array";
+
+/// @tparam Values std::vector or Eigen::VectorXd.
+template <class Values>
+void bind_array(Statement& statement, const Values& values) {
+  statement.bind(values.size() == 0 ? nullptr : static_cast<const void*>(values.data()),
+                 static_cast<std::size_t>(values.size()) * sizeof(typename Values::value_type));
+}
+
+/// @throws InputError it has another size than the body tells.
+template <class Number, class Values>
+void take_array(Statement& statement, const blobs::Size<Number>& size, const Database& database,
+                const char* what, Values& values) {
+  if (!blobs::copy(statement.take_blob(), size, values)) {
+    throw_damaged(database.path(), std::string(what) + " has another size than the body");
+  }
+}
+
+/// The bytes of the largest row of a body, without its numbers: that of the body itself, or of a
+/// configuration without a basis. The memory that is taken to read it is no more.
+std::int64_t bytes_of_body(std::int64_t num_points, std::int64_t num_cells) {
+  // The scene: points, fixed, touchable, or directions; at most ten nodes a cell, and its material.
+  const std::int64_t of_scene = num_points * (6 * 8 + 2) + num_cells * (10 + 1) * 4;
+  // u and v; p and p_v at most at four corners a cell.
+  const std::int64_t of_fields = num_points * 12 * 8 + num_cells * 16 * 8;
+  return std::max(of_scene, of_fields);
+}
+
+bool is_too_large(std::int64_t num_points, std::int64_t num_cells) {
+  return bytes_of_body(num_points, num_cells) > kLargestRow - blobs::kOfNumbers;
+}
+
+/// What a body is called in a message.
+std::string name_of_body(BodyId body) {
+  return body == kFirstBody ? "the body" : "body " + std::to_string(body);
+}
+
+void write_scene(const Database& database, BodyId body, const Scene& scene,
+                 double solver_tolerance) {
+  Statement insert(database, Table("scene").insert("ABORT"));
+  insert.bind(body);
+  insert.bind(nullptr, 0);  // It has no parent.
+  const TetMesh& mesh = scene.mesh;
+  insert.bind(hash(scene));
+  insert.bind(solver_tolerance);
+  insert.bind(static_cast<std::int64_t>(mesh.order));
+  insert.bind(std::int64_t{mesh.num_points()});
+  insert.bind(std::int64_t{mesh.num_cells()});
+  bind_array(insert, mesh.points);
+  bind_array(insert, mesh.cells);
+  bind_array(insert, scene.material_of_cell);
+  bind_array(insert, scene.fixed);
+  bind_array(insert, scene.touchable);
+  insert.bind(rows::checksum(body, scene.touchable, solver_tolerance));
+  insert.run();
+  static_assert(max_parameters == 10, "as the columns of the table");
+  Statement insert_material(database, Table("material").insert("ABORT"));
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    insert_material.bind(body);
+    insert_material.bind(static_cast<std::int64_t>(m));
+    insert_material.bind(static_cast<std::int64_t>(scene.materials[m].law));
+    insert_material.bind(static_cast<std::int64_t>(scene.materials[m].formulation));
+    for (double p : scene.materials[m].parameters) insert_material.bind(p);
+    insert_material.run();
+  }
+}
+
+/// @param scene It has a load.
+void require_rest_of(const Scene& scene) {
+  if (scene.settled.u.size() == 3 * Eigen::Index{scene.mesh.num_points()}) return;
+  throw InputError(
+      "The rest of the body under its load is needed to store its state space, and is not there. "
+      "Find it first.");
+}
+
+/// Calls visit(name, array) for the arrays of what holds and loads the surface.
+template <class AnyScene, class Visit>
+void for_each_boundary_array(AnyScene& scene, const Visit& visit) {
+  visit("HeldDirection", scene.held_directions);
+  visit("SupportStiffness", scene.support_stiffness);
+  visit("AppliedPressure", scene.applied_pressure);
+  visit("AppliedTraction", scene.applied_traction);
+}
+constexpr char kRestDisplacement[] = "RestDisplacement";
+constexpr char kRestPressure[] = "RestPressure";
+
+/// The rest of a body is stored with the arrays of its surface.
+bool rests_in_boundary(const Scene& scene) { return scene.has_load() && !scene.has_body_force(); }
+
+/// @param scene It has supports or loads of its surface.
+void write_boundary(const Database& database, BodyId body, const Scene& scene) {
+  make_table(database, kBoundary);
+  Statement insert(database, Table(kBoundary).insert("ABORT"));
+  const auto write = [&](const std::string& name, const auto& array) {
+    using Value = std::decay_t<decltype(array[0])>;
+    const Statement::Blob numbers{array.size() == 0 ? nullptr : array.data(),
+                                  static_cast<std::size_t>(array.size()) * sizeof(Value)};
+    insert.bind(body);
+    insert.bind(name);
+    insert.bind(rows::checksum(body, name, numbers));
+    insert.bind(numbers.data, numbers.bytes);
+    insert.run();
+  };
+  for_each_boundary_array(scene, [&](const char* name, const auto& array) {
+    if (!array.empty()) write(name, array);
+  });
+  if (!rests_in_boundary(scene)) return;
+  require_rest_of(scene);
+  write(kRestDisplacement, scene.settled.u);
+  write(kRestPressure, scene.settled.p);
+}
+
+/// @param scene It has a body force.
+void write_body_force(const Database& database, BodyId body, const Scene& scene) {
+  require_rest_of(scene);
+  make_table(database, kBodyForce);
+  Statement insert(database, Table(kBodyForce).insert("ABORT"));
+  insert.bind(body);
+  insert.bind(scene.body_force.data(), 3 * sizeof(double));
+  bind_array(insert, scene.densities);
+  bind_array(insert, scene.settled.u);
+  bind_array(insert, scene.settled.p);
+  insert.bind(rows::checksum(body, scene.settled));
+  insert.run();
+}
+
+void write_body(const Database& database, BodyId body, const Scene& scene,
+                double solver_tolerance) {
+  write_scene(database, body, scene, solver_tolerance);
+  if (scene.has_body_force()) write_body_force(database, body, scene);
+  if (scene.has_supports_or_surface_loads()) write_boundary(database, body, scene);
+}
+
+}  // namespace
+
+Bodies::Bodies(Connection& connection) : connection_(connection) { read_heads(); }
+
+void Bodies::read_heads() {
+  heads_.clear();
+  Statement select(connection_.database(),
+                   "SELECT scene_id, hash, solver_tolerance, num_points, num_cells FROM scene "
+                   "ORDER BY scene_id");
+  while (select.step()) {
+    BodyHead head;
+    head.number = select.take_integer();
+    head.hash = select.take_text();
+    head.solver_tolerance = select.take_double();
+    head.num_points = select.take_integer();
+    head.num_cells = select.take_integer();
+    if (head.num_points < 0 || head.num_points > kLargestRow || head.num_cells < 0 ||
+        head.num_cells > kLargestRow || is_too_large(head.num_points, head.num_cells)) {
+      throw_damaged(connection_.path(), "a body of " + std::to_string(head.num_points) +
+                                            " points and " + std::to_string(head.num_cells) +
+                                            " cells");
+    }
+    heads_[head.number] = head;
+  }
+  if (heads_.empty() || heads_.begin()->first != kFirstBody) {
+    throw_damaged(connection_.path(), "it holds no scene");
+  }
+  for (const auto& [number, head] : heads_) {
+    connection_.make_room(bytes_of_body(head.num_points, head.num_cells));
+  }
+}
+
+void Bodies::write_first(const Database& database, const Scene& scene, double solver_tolerance) {
+  write_body(database, kFirstBody, scene, solver_tolerance);
+}
+
+void Bodies::require_size(const Scene& scene) {
+  if (!is_too_large(scene.mesh.num_points(), scene.mesh.num_cells())) return;
+  throw InputError("The body has " + std::to_string(scene.mesh.num_points()) + " points and " +
+                   std::to_string(scene.mesh.num_cells()) +
+                   " cells: more than a state-space file can hold. Take a coarser mesh.");
+}
+
+BodyId Bodies::add(const Scene& scene) {
+  if (const std::optional<BodyId> there = find(hash(scene))) return *there;
+  require_size(scene);
+  const Database& database = connection_.database();
+  if (scene.has_body_force() != has_table(database, kBodyForce) ||
+      scene.has_supports_or_surface_loads() != has_table(database, kBoundary)) {
+    throw InputError("The body cannot be added to " + quoted(connection_.path()) +
+                     ": it is loaded or held otherwise than those that are there. Give another "
+                     "file name.");
+  }
+  const BodyId number = heads_.rbegin()->first + 1;
+  connection_.make_room(bytes_of_body(scene.mesh.num_points(), scene.mesh.num_cells()));
+  connection_.before_change();
+  sqlite::Transaction transaction(database);
+  write_body(database, number, scene, solver_tolerance());
+  transaction.commit();
+  read_heads();
+  return number;
+}
+
+std::vector<BodyId> Bodies::list() const {
+  std::vector<BodyId> numbers;
+  for (const auto& [number, head] : heads_) numbers.push_back(number);
+  return numbers;
+}
+
+std::optional<BodyId> Bodies::find(const std::string& hash) const {
+  for (const auto& [number, head] : heads_) {
+    if (head.hash == hash) return number;
+  }
+  return std::nullopt;
+}
+
+const BodyHead& Bodies::head(BodyId body) const {
+  const auto found = heads_.find(body);
+  if (found != heads_.end()) return found->second;
+  throw InputError(quoted(connection_.path()) + " has no body " + std::to_string(body) +
+                   ". Add it first.");
+}
+
+Scene Bodies::read(BodyId body) const {
+  const Database& database = connection_.database();
+  const bool has_checksum = connection_.has_checksums();
+  const auto& [number, stored_hash, tolerance, num_points, num_cells] = head(body);
+  Scene scene;
+  scene.mesh = read_mesh(body);
+  const TetMesh& mesh = scene.mesh;
+  Statement select(database, std::string("SELECT fixed, touchable, ") +
+                                 (has_checksum ? "checksum" : "NULL") +
+                                 " FROM scene WHERE scene_id = ?");
+  select.bind(body);
+  select.step();
+  take_array(select, blobs::marks(num_points), database, "fixed", scene.fixed);
+  take_array(select, blobs::marks(num_points), database, "touchable", scene.touchable);
+  if (has_checksum && select.take_integer() != rows::checksum(body, scene.touchable, tolerance)) {
+    connection_.damage().leave_out("where " + name_of_body(body) + " may be touched", "scene", 0);
+    std::fill(scene.touchable.begin(), scene.touchable.end(), char{0});
+  }
+  read_materials(body, scene);
+  if (has_table(database, kBodyForce)) read_body_force(body, scene);
+  if (has_table(database, kBoundary)) read_boundary(body, scene);
+  if (hash(scene) != stored_hash) {
+    throw_damaged(database.path(), "the scene has not the hash it was stored with");
+  }
+  // Who made the file may have made the hash fit a body that is none.
+  if (!std::all_of(mesh.points.begin(), mesh.points.end(),
+                   [](const Vec3& p) { return p.allFinite(); })) {
+    throw_damaged(database.path(), "a point of the body is none");
+  }
+  return scene;
+}
+
+void Bodies::set_touchable(BodyId body, const std::vector<char>& touchable) const {
+  Statement update(connection_.database(),
+                   "UPDATE scene SET touchable = ?1, checksum = ?2 WHERE scene_id = ?3 AND "
+                   "(touchable <> ?1 OR checksum IS NOT ?2)");
+  bind_array(update, touchable);
+  update.bind(rows::checksum(body, touchable, solver_tolerance()));
+  update.bind(body);
+  update.run();
+}
+
+Index Bodies::num_pressures(BodyId body) const {
+  const auto known = num_pressures_->find(body);
+  if (known != num_pressures_->end()) return known->second;
+  Scene scene;
+  scene.mesh = read_mesh(body);
+  read_materials(body, scene);
+  return (*num_pressures_)[body] = count_pressures(scene);
+}
+
+const SettledBody& Bodies::settled(BodyId body) const {
+  std::optional<SettledBody>& settled = read_[body].settled;
+  if (settled) return *settled;
+  settled.emplace();
+  Scene scene;
+  const Database& database = connection_.database();
+  if (has_table(database, kBodyForce)) {
+    read_materials(body, scene);
+    read_body_force(body, scene);
+  } else if (has_table(database, kBoundary)) {
+    read_boundary(body, scene);
+  }
+  return *(settled = std::move(scene.settled));
+}
+
+const std::vector<Index>& Bodies::points_of(BodyId body, Keep keep) const {
+  Read& of_body = read_[body];
+  const auto [found, is_new] = of_body.points.try_emplace(keep);
+  if (!is_new) return found->second;
+  if (!of_body.mesh) of_body.mesh = read_mesh(body);
+  found->second = kept_points(*of_body.mesh, make_surface(*of_body.mesh), keep);
+  return found->second;
+}
+
+TetMesh Bodies::read_mesh(BodyId body) const {
+  const Database& database = connection_.database();
+  const auto& [number, hash, tolerance, num_points, num_cells] = head(body);
+  Statement select(database, "SELECT element_order, points, cells FROM scene WHERE scene_id = ?");
+  select.bind(body);
+  select.step();
+  TetMesh read;
+  const std::int64_t order = select.take_integer();
+  if (order != 1 && order != 2) throw_damaged(connection_.path(), "an unknown order of elements");
+  read.order = static_cast<ElementOrder>(order);
+  take_array(select, blobs::points(num_points), database, "points", read.points);
+  take_array(select, blobs::cells(num_cells, nodes_per_cell(read.order)), database, "cells",
+             read.cells);
+  if (std::any_of(read.cells.begin(), read.cells.end(),
+                  [&](Index p) { return p < 0 || p >= num_points; })) {
+    throw_damaged(connection_.path(), "a cell of the body is none");
+  }
+  return read;
+}
+
+void Bodies::read_materials(BodyId body, Scene& scene) const {
+  const Database& database = connection_.database();
+  {
+    Statement select(database, "SELECT material_of_cell FROM scene WHERE scene_id = ?");
+    select.bind(body);
+    select.step();
+    take_array(select, blobs::material_of_cell(head(body).num_cells), database, "material_of_cell",
+               scene.material_of_cell);
+  }
+  Statement select(database, "SELECT " + Table("material").columns("law", "") +
+                                 " FROM material WHERE scene_id = ? ORDER BY material");
+  select.bind(body);
+  while (select.step()) {
+    const std::int64_t law = select.take_integer();
+    if (law < 0 || law >= num_laws) throw_damaged(connection_.path(), "an unknown law");
+    const std::int64_t formulation = select.take_integer();
+    if (formulation < 0 || formulation >= num_formulations) {
+      throw_damaged(connection_.path(), "an unknown formulation");
+    }
+    std::array<double, max_parameters> parameters{};
+    for (double& p : parameters) p = select.take_double();
+    try {
+      Material& material = scene.materials.emplace_back(with_formulation(
+          make_material(static_cast<Law>(law), parameters), static_cast<Formulation>(formulation)));
+      // The hash takes in those that the law has not, as they were given.
+      material.parameters = parameters;
+    } catch (const InputError& error) {
+      throw_damaged(connection_.path(), std::string("a material is none: ") + error.what());
+    }
+  }
+  const auto known_materials = static_cast<Index>(scene.materials.size());
+  if (known_materials == 0 ||
+      std::any_of(scene.material_of_cell.begin(), scene.material_of_cell.end(),
+                  [&](Index m) { return m < 0 || m >= known_materials; })) {
+    throw_damaged(connection_.path(), "a material is missing");
+  }
+}
+
+void Bodies::read_body_force(BodyId body, Scene& scene) const {
+  const Database& database = connection_.database();
+  Statement select(database,
+                   "SELECT acceleration, densities, displacement, pressures, checksum FROM "
+                   "body_force WHERE scene_id = ?");
+  select.bind(body);
+  if (!select.step()) throw_damaged(connection_.path(), "the body force is missing");
+  take_array(select, blobs::vector(), database, "acceleration", scene.body_force);
+  const auto num_materials = static_cast<std::int64_t>(scene.materials.size());
+  take_array(select, blobs::densities(num_materials), database, "densities", scene.densities);
+  take_array(select, blobs::settled_displacement(num_points(body)), database,
+             "the displacement at rest", scene.settled.u);
+  take_array(select, blobs::pressures<double>(num_pressures(body)), database,
+             "the pressures at rest", scene.settled.p);
+  if (select.take_integer() != rows::checksum(body, scene.settled) ||
+      !scene.settled.u.allFinite() || !scene.settled.p.allFinite()) {
+    throw_damaged(connection_.path(), "the rest under the body force is none");
+  }
+  if (!scene.body_force.allFinite() || scene.body_force.isZero(0) ||
+      !std::all_of(scene.densities.begin(), scene.densities.end(),
+                   [](double density) { return std::isfinite(density) && density >= 0; })) {
+    throw_damaged(connection_.path(), "the body force is none");
+  }
+}
+
+void Bodies::read_boundary(BodyId body, Scene& scene) const {
+  Statement select(connection_.database(),
+                   "SELECT name, checksum, numbers FROM boundary_array WHERE scene_id = ?");
+  select.bind(body);
+  while (select.step()) {
+    const std::string name = select.take_text();
+    const std::int64_t sum = select.take_integer();
+    const Statement::Blob numbers = select.take_blob();
+    bool is_good = rows::checksum(body, name, numbers) == sum;
+    const auto take = [&](const auto& size, auto& array) {
+      is_good = is_good && blobs::copy(numbers, size, array);
+    };
+    if (name == kRestDisplacement) {
+      take(blobs::settled_displacement(num_points(body)), scene.settled.u);
+    } else if (name == kRestPressure) {
+      take(blobs::pressures<double>(num_pressures(body)), scene.settled.p);
+    } else {
+      bool is_known = false;
+      for_each_boundary_array(scene, [&](const char* known_name, auto& array) {
+        if (name != known_name) return;
+        is_known = true;
+        take(blobs::boundary_array(num_points(body), sizeof array[0] / sizeof(double)), array);
+      });
+      is_good = is_good && is_known;
+    }
+    if (!is_good)
+      throw_damaged(connection_.path(), "the array " + name + " of the boundary is none");
+  }
+  if (!scene.settled.u.allFinite() || !scene.settled.p.allFinite()) {
+    throw_damaged(connection_.path(), "the rest under the loads is none");
+  }
+  const bool lacks_rest = rests_in_boundary(scene) && scene.settled.u.size() == 0;
+  if (!scene.has_supports_or_surface_loads() || lacks_rest) {
+    throw_damaged(connection_.path(), "the supports and loads of the body are not complete");
+  }
+}
+
+}  // namespace palpate::storage

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The bodies of a file: the tables scene, material, body_force and boundary_array.
+//
+// A file has one body at least. Several are discretisations of one organ: they have meshes and
+// materials of their own, and all or none of them a body force, and supports and loads of the
+// surface.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "assembly/scene.h"
+#include "fields/reduced_fields.h"
+#include "state_space/tool_space.h"
+#include "storage/connection.h"
+
+namespace palpate::storage {
+
+/// What is known of a body when a file is open.
+struct BodyHead {
+  BodyId number = kFirstBody;
+  /// The result of hash(scene).
+  std::string hash;
+  double solver_tolerance = 0;
+  std::int64_t num_points = 0;
+  std::int64_t num_cells = 0;
+};
+
+class Bodies {
+ public:
+  /// Reads the heads.
+  /// @throws InputError there is no first body, or one is larger than a file can hold.
+  explicit Bodies(Connection& connection);
+
+  /// Writes the first body of a new file.
+  static void write_first(const sqlite::Database& database, const Scene& scene,
+                          double solver_tolerance);
+  /// @throws InputError a row cannot hold its fields.
+  static void require_size(const Scene& scene);
+
+  /// Adds a body of the organ, unless it is there.
+  /// @throws InputError it is of another organ, or too large.
+  BodyId add(const Scene& scene);
+  /// The numbers, ascending; the first is kFirstBody.
+  [[nodiscard]] std::vector<BodyId> list() const;
+  /// The body with a hash, or nothing.
+  [[nodiscard]] std::optional<BodyId> find(const std::string& hash) const;
+  /// @throws InputError there is no such body.
+  [[nodiscard]] const BodyHead& head(BodyId body) const;
+  [[nodiscard]] std::int64_t num_points(BodyId body) const { return head(body).num_points; }
+  /// Of all bodies.
+  [[nodiscard]] double solver_tolerance() const { return head(kFirstBody).solver_tolerance; }
+
+  /// @throws InputError it is damaged, such that it does not have the hash it is stored with.
+  [[nodiscard]] Scene read(BodyId body) const;
+  void set_touchable(BodyId body, const std::vector<char>& touchable) const;
+
+  /// Counted when it is first asked for.
+  [[nodiscard]] Index num_pressures(BodyId body) const;
+  /// Where the body is at rest; read when it is first asked for.
+  [[nodiscard]] const SettledBody& settled(BodyId body) const;
+  /// As kept_points(); made when it is first asked for.
+  [[nodiscard]] const std::vector<Index>& points_of(BodyId body, Keep keep) const;
+
+  /// The pressures of bodies, which need not be counted again.
+  using NumPressures = std::map<BodyId, Index>;
+  /// Has this taken from here, and put here, that another object has counted of the same file.
+  void share(NumPressures& known) { num_pressures_ = &known; }
+
+ private:
+  /// What was read of a body.
+  struct Read {
+    std::optional<TetMesh> mesh;
+    std::optional<SettledBody> settled;
+    std::map<Keep, std::vector<Index>> points;
+  };
+
+  void read_heads();
+  [[nodiscard]] TetMesh read_mesh(BodyId body) const;
+  /// Reads materials, and which cell is of which. @throws InputError one is none.
+  void read_materials(BodyId body, Scene& scene) const;
+  /// Reads body force, densities and rest. @param scene It has its materials.
+  /// @throws InputError they are damaged.
+  void read_body_force(BodyId body, Scene& scene) const;
+  /// Reads what holds and loads the surface, and the rest where it is with that.
+  /// @throws InputError it is damaged.
+  void read_boundary(BodyId body, Scene& scene) const;
+
+  Connection& connection_;
+  std::map<BodyId, BodyHead> heads_;
+  mutable std::map<BodyId, Read> read_;
+  mutable NumPressures own_num_pressures_;
+  NumPressures* num_pressures_ = &own_num_pressures_;
+};
+
+}  // namespace palpate::storage

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The tool spaces of a file without what was found in them: the tables tool_space and
+// contact_offset.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "state_space/state_space.h"
+#include "storage/bodies.h"
+#include "storage/connection.h"
+#include "storage/table.h"
+
+namespace palpate::storage {
+
+class ToolSpaces {
+ public:
+  ToolSpaces(Connection& connection, const Bodies& bodies);
+
+  /// @throws InputError it cannot be stored.
+  void check(const ToolSpaceSetup& setup) const;
+  /// Adds a tool space that is not there.
+  /// @throws InputError there would be more check-points than a state space may have.
+  void add(const ToolSpaceSetup& setup);
+  /// Writes a tool space in place of what is there.
+  void write(const ToolSpace& space);
+  void set_complete(const ToolSpaceKey& key, bool complete);
+
+  /// Those of a body in the order of their numbers, without configurations.
+  [[nodiscard]] std::vector<ToolSpace> read(BodyId body) const;
+  /// Those of all bodies.
+  [[nodiscard]] const std::vector<ToolSpace>& read_all() const;
+  [[nodiscard]] std::optional<ToolSpace> find(const ToolSpaceKey& key) const;
+  /// What it is called in a message.
+  [[nodiscard]] std::string name_of(const ToolSpaceKey& key) const;
+
+  /// Reads what a conversion of the file writes again: all.
+  [[nodiscard]] std::function<void()> read_for_conversion();
+  /// Forgets what was read.
+  void forget() const { known_.reset(); }
+
+ private:
+  /// Of the layer of a rigid tool, m.
+  [[nodiscard]] double contact_offset(const ToolSpaceKey& key) const;
+  void read_into(BodyId body, std::vector<ToolSpace>& tool_spaces) const;
+
+  Connection& connection_;
+  const Bodies& bodies_;
+  Table table_{"tool_space"};
+  /// Of all bodies; nothing: they were not read yet, or have changed since.
+  mutable std::optional<std::vector<ToolSpace>> known_;
+  mutable bool is_tentative_ = false;
+};
+
+/// @throws InputError the tool space that is there is of no use for what is asked for.
+/// @param path Of the file that holds it.
+void require_extension(const std::filesystem::path& path, const ToolSpaceSetup& there,
+                       const ToolSpaceSetup& asked);
+
+}  // namespace palpate::storage
