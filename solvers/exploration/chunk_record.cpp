@@ -67,7 +67,7 @@ std::vector<ChunkRecord::Found> ChunkRecord::next() {
     const auto setup = std::find_if(setups_.begin(), setups_.end(), [&](const ToolSpaceSetup& s) {
       return s.id == found.tool_space;
     });
-    if (setup->interaction.is_contact() || !found.summary.usable()) continue;
+    if (setup->presses() || !found.summary.usable()) continue;
     Configuration whole = record_->load(found.tool_space, found.summary);
     count_from_rest(scene_.settled, whole);
     found.fields = Snapshots(static_cast<Eigen::Index>(points_.size()), 0, 1);
@@ -133,7 +133,7 @@ ToolSpaceChunk ChunkRecord::chunk_of(const ToolSpaceSetup& setup, std::vector<Fo
     chunk.intermediate_states.insert(chunk.intermediate_states.end(), one.way.begin(),
                                      one.way.end());
   }
-  if (setup.interaction.is_contact()) {
+  if (setup.presses()) {
     add_clearance(tools_.clearance(setup.interaction), marked);
     chunk.clearance = std::move(marked.clearance);
   } else {

@@ -28,7 +28,7 @@ void check_fields(const Configuration& configuration, Index num_points,
 }
 
 void check_active_node(const ToolSpaceSetup& setup, const TetMesh& mesh) {
-  if (setup.interaction.is_contact()) return;
+  if (setup.presses()) return;
   const Index node = setup.interaction.active_node;
   if (node < 0 || node >= mesh.num_points()) {
     throw InputError("Active node " + std::to_string(node) + " is not one of the " +
@@ -52,7 +52,7 @@ void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
   TouchToolSpace added;
   added.setup = setup;
   added.intermediate_states = std::move(intermediate_states);
-  const bool has_modes = basis != nullptr && !setup.interaction.is_contact();
+  const bool has_modes = basis != nullptr && !setup.presses();
   std::vector<const ReducedFields*> kept;
   for (std::size_t s = 0; s < configurations.size(); ++s) {
     if (has_modes && configurations[s].usable() && fields[s] == nullptr) continue;
@@ -136,7 +136,7 @@ TouchSpace make_touch_space(const StateSpace& space, double bound) {
   for (const ToolSpace& tool_space : space.tool_spaces) {
     const std::vector<ConfigurationSummary> summaries(tool_space.configurations.begin(),
                                                       tool_space.configurations.end());
-    if (tool_space.setup.interaction.is_contact()) {
+    if (tool_space.setup.presses()) {
       add_tool_space(space.scene, tool_space.setup, summaries, tool_space.intermediate_states,
                      nullptr, {}, made);
       continue;

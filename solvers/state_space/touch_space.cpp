@@ -10,7 +10,7 @@ namespace palpate {
 
 void add_clearance(const Scene& scene, TouchToolSpace& tool_space) {
   const InteractionSpec& interaction = tool_space.setup.interaction;
-  if (!interaction.is_contact()) return;
+  if (!interaction.presses()) return;
   add_clearance(InteractionFactory(scene).clearance(interaction), tool_space);
 }
 

@@ -42,7 +42,7 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound, BodyId bod
     const ToolSpaceKey key = tool_space.setup.key();
     const std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(key));
     std::vector<IntermediateState> states = file.read_intermediate_states(key);
-    if (tool_space.setup.interaction.is_contact()) {
+    if (tool_space.setup.presses()) {
       add_tool_space(scene, tool_space.setup, summaries, std::move(states), nullptr, {}, space);
       continue;
     }
