@@ -42,8 +42,6 @@ struct InteractionSpec {
   [[nodiscard]] double touching_radius() const;
   [[nodiscard]] RigidTool shown_shape() const;
 
-  [[nodiscard]] bool is_contact() const { return kind == InteractionKind::rigid_contact; }
-
   [[nodiscard]] friend bool operator==(const InteractionSpec& a, const InteractionSpec& b) {
     return std::tie(a.kind, a.active_node, a.tip_radius, a.tool) ==
                std::tie(b.kind, b.active_node, b.tip_radius, b.tool) &&

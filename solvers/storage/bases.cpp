@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include "storage/tool_kinds.h"
+#include "storage/stored_kind.h"
 
 namespace palpate::storage {
 namespace {

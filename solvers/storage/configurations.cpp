@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/printable.h"
 #include "storage/rows.h"
-#include "storage/tool_kinds.h"
+#include "storage/stored_kind.h"
 
 namespace palpate::storage {
 namespace {

@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "base/printable.h"
-#include "storage/tool_kinds.h"
+#include "storage/stored_kind.h"
 
 namespace palpate::rows {
 namespace {

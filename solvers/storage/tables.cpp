@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/printable.h"
 #include "storage/schema.h"
-#include "storage/tool_kinds.h"
+#include "storage/stored_kind.h"
 #include "storage/versions.h"
 
 namespace palpate::storage {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "base/join.h"
-#include "storage/tool_kinds.h"
+#include "storage/stored_kind.h"
 
 namespace palpate::storage {
 

@@ -9,7 +9,7 @@
 #include "storage/blob_sizes.h"
 #include "storage/rows.h"
 #include "storage/schema.h"
-#include "storage/tool_kinds.h"
+#include "storage/stored_kind.h"
 
 namespace palpate::storage {
 namespace {

@@ -9,9 +9,9 @@
 
 namespace palpate::storage {
 
-class ToolKind {
+class StoredKind {
  public:
-  virtual ~ToolKind() = default;
+  virtual ~StoredKind() = default;
 
   /// Whether the fields of configurations are stored in single precision.
   [[nodiscard]] virtual bool has_single_fields() const = 0;
@@ -27,8 +27,8 @@ class ToolKind {
   [[nodiscard]] virtual const char* what_may_change() const = 0;
 };
 
-[[nodiscard]] const ToolKind& kind_of(const ToolSpaceSetup& setup);
-[[nodiscard]] const ToolKind& kind_of(ToolSpaceId id);
+[[nodiscard]] const StoredKind& kind_of(const ToolSpaceSetup& setup);
+[[nodiscard]] const StoredKind& kind_of(ToolSpaceId id);
 
 /// All that tells a tool space from others with the same tool, for a message.
 [[nodiscard]] std::string figures_of(const ToolSpaceSetup& setup);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/tool_kinds.h"
+#include "storage/stored_kind.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 /// Spacings that differ by less than this share are equal but for rounding.
 constexpr double kSpacingRounding = 1e-12;
 
-class Bonded : public ToolKind {
+class Bonded : public StoredKind {
  public:
   [[nodiscard]] bool has_single_fields() const override { return false; }
 
@@ -43,7 +43,7 @@ class Bonded : public ToolKind {
 };
 
 /// There are many configurations of a rigid tool; they are displayed and solved on from.
-class Rigid : public ToolKind {
+class Rigid : public StoredKind {
  public:
   [[nodiscard]] bool has_single_fields() const override { return true; }
 
@@ -83,19 +83,17 @@ class Rigid : public ToolKind {
   }
 };
 
-const ToolKind& kind(bool is_rigid) {
+const StoredKind& kind(bool is_rigid) {
   static const Bonded bonded;
   static const Rigid rigid;
-  return is_rigid ? static_cast<const ToolKind&>(rigid) : bonded;
+  return is_rigid ? static_cast<const StoredKind&>(rigid) : bonded;
 }
 
 }  // namespace
 
-const ToolKind& kind_of(const ToolSpaceSetup& setup) {
-  return kind(setup.interaction.is_contact());
-}
+const StoredKind& kind_of(const ToolSpaceSetup& setup) { return kind(setup.presses()); }
 
-const ToolKind& kind_of(ToolSpaceId id) { return kind(id == kContactToolSpace); }
+const StoredKind& kind_of(ToolSpaceId id) { return kind(id == kContactToolSpace); }
 
 std::string figures_of(const ToolSpaceSetup& setup) {
   const Grid& grid = setup.grid;
