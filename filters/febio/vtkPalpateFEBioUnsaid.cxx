@@ -13,6 +13,7 @@
 #include "vtkCellData.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkFieldData.h"
+#include "vtkPalpateMaterials.h"
 #include "vtkPalpateScene.h"
 #include "vtkPointData.h"
 #include "vtkUnstructuredGrid.h"
@@ -20,6 +21,7 @@
 namespace vtkPalpateFEBio
 {
 using palpate::Index;
+using palpate::Material;
 using palpate::Rheology;
 
 namespace

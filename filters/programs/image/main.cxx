@@ -24,7 +24,6 @@
 // The exit code is 0, or 64 for bad arguments, or 65 for bad data: then the header is what is
 // wrong.
 
-#include <NrrdIO.h>
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
