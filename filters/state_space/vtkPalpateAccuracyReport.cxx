@@ -384,8 +384,7 @@ void vtkPalpateAccuracyReport::UpdateEstimate()
       {
         points += this->TestPoints;
         seconds += TimeOfPoint * this->TestPoints *
-          palpate::seconds_of(
-            palpate::work_of_configuration(of.setup.presses()), cost, true);
+          palpate::seconds_of(palpate::work_of_configuration(of.setup.presses()), cost, true);
       }
       return "About " + vtkPalpateTellNumber(points) + " equilibria of " +
         vtkPalpateTellNumber(cost.num_unknowns) + " unknowns. They take " +
