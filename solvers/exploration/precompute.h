@@ -29,7 +29,6 @@ namespace palpate {
 ///   of a space with other settings, see StateSpaceFile::add_tool_space.
 /// @note Collective
 [[nodiscard]] PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
-                                          Communicator& communicator, const Progress& progress,
-                                          TakeChunk take_chunk = {});
+                                          Communicator& communicator, const Progress& progress);
 
 }  // namespace palpate
