@@ -9,49 +9,77 @@
 namespace palpate {
 
 Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
-    : scene_hash_(space.scene_hash),
-      surface_(space.surface.points, space.surface.triangles),
+    : options_(options),
+      scene_hash_(space.scene_hash),
+      surface_(std::make_shared<const SurfaceTree>(space.surface.points, space.surface.triangles)),
       node_of_(space.surface.points.size(), -1) {
   if (space.tool_spaces.empty()) {
     throw InputError(
         "The state space has no active node and no rigid tool: there is nothing to touch. "
         "Precompute it for one.");
   }
-  const TouchToolSpace* pressing = space.find_pressing();
   nodes_.reserve(space.tool_spaces.size());
   for (const TouchToolSpace& tool_space : space.tool_spaces) {
-    for (const ConfigurationSummary& configuration : tool_space.configurations) {
-      if (!configuration.usable() || !configuration.stiffness.allFinite()) continue;
-      const Eigen::SelfAdjointEigenSolver<Mat3> eigen(configuration.stiffness,
-                                                      Eigen::EigenvaluesOnly);
-      largest_stiffness_ = std::max(largest_stiffness_, eigen.eigenvalues()[2]);
-    }
-    if (tool_space.setup.presses()) {
-      if (&tool_space != pressing) continue;
-      force_on_tool_ = make_interpolator(options.method, tool_space, options.interpolation);
-      tool_half_width_ = tool_space.setup.interaction.touching_radius();
-      continue;
-    }
-    const Index mesh_point = tool_space.setup.interaction.active_node;
-    const Index surface_point = space.surface.find(mesh_point);
-    if (surface_point < 0) {
-      throw InputError("Active node " + std::to_string(mesh_point) +
-                       " is not on the surface of the body: a tool cannot reach it.");
-    }
-    SolutionBranches branches(tool_space);
-    std::vector<std::unique_ptr<Interpolator>> on_branch;
-    for (int branch = 0; branch < branches.size(); ++branch) {
-      on_branch.push_back(make_interpolator(
-          options.method,
-          branches.size() == 1 ? tool_space
-                               : restricted(tool_space, branches.configurations(branch)),
-          options.interpolation));
-    }
-    node_of_[surface_point] = static_cast<std::int32_t>(nodes_.size());
-    nodes_.push_back({mesh_point, surface_point, tool_space.setup.interaction.material_point,
-                      tool_space.setup.interaction.tip_radius, std::move(branches),
-                      std::move(on_branch)});
-    largest_tip_radius_ = std::max(largest_tip_radius_, tool_space.setup.interaction.tip_radius);
+    take_stiffness(tool_space.configurations);
+    take(tool_space, space);
+  }
+}
+
+Touchable::Touchable(const Touchable& before, const TouchSpace& space, const SpaceChunk& chunk)
+    : Touchable(before) {
+  for (const ToolSpaceChunk& part : chunk.tool_spaces) {
+    take_stiffness(part.configurations);
+    take(*space.find(part.setup.id), space);
+  }
+}
+
+void Touchable::take_stiffness(const std::vector<ConfigurationSummary>& configurations) {
+  for (const ConfigurationSummary& configuration : configurations) {
+    if (!configuration.usable() || !configuration.stiffness.allFinite()) continue;
+    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(configuration.stiffness,
+                                                    Eigen::EigenvaluesOnly);
+    largest_stiffness_ = std::max(largest_stiffness_, eigen.eigenvalues()[2]);
+  }
+}
+
+void Touchable::take(const TouchToolSpace& tool_space, const TouchSpace& space) {
+  if (tool_space.setup.presses()) {
+    if (&tool_space != space.find_pressing()) return;
+    force_on_tool_ = make_interpolator(options_.method, tool_space, options_.interpolation);
+    tool_half_width_ = tool_space.setup.interaction.touching_radius();
+    return;
+  }
+  const Index mesh_point = tool_space.setup.interaction.active_node;
+  const Index surface_point = space.surface.find(mesh_point);
+  if (surface_point < 0) {
+    throw InputError("Active node " + std::to_string(mesh_point) +
+                     " is not on the surface of the body: a tool cannot reach it.");
+  }
+  SolutionBranches branches(tool_space);
+  std::vector<std::shared_ptr<const Interpolator>> on_branch;
+  for (int branch = 0; branch < branches.size(); ++branch) {
+    on_branch.push_back(make_interpolator(
+        options_.method,
+        branches.size() == 1 ? tool_space : restricted(tool_space, branches.configurations(branch)),
+        options_.interpolation));
+  }
+  Node node{mesh_point,
+            surface_point,
+            tool_space.setup.interaction.material_point,
+            tool_space.setup.interaction.tip_radius,
+            std::move(branches),
+            std::move(on_branch)};
+  largest_tip_radius_ = std::max(largest_tip_radius_, node.tip_radius);
+  if (const std::int32_t known = node_of_[surface_point]; known >= 0) {
+    nodes_[known] = std::move(node);
+    return;
+  }
+  const auto place =
+      std::lower_bound(nodes_.begin(), nodes_.end(), mesh_point,
+                       [](const Node& one, Index point) { return one.mesh_point < point; });
+  nodes_.insert(place, std::move(node));
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    node_of_[nodes_[n].surface_point] = static_cast<std::int32_t>(n);
   }
 }
 
@@ -78,7 +106,8 @@ std::int32_t Touchable::nearest(const Vec3& point, double reach) const noexcept 
 
 MemoryRanges Touchable::memory() const {
   MemoryRanges ranges{{this, sizeof *this}};
-  surface_.add_memory(ranges);
+  ranges.push_back({surface_.get(), sizeof *surface_});
+  surface_->add_memory(ranges);
   add_memory(nodes_, ranges);
   add_memory(node_of_, ranges);
   for (const Node& node : nodes_) {

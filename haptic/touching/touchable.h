@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "fields/space_chunk.h"
 #include "interpolation/interpolator.h"
 #include "interpolation/solution_branches.h"
 #include "mesh/surface_tree.h"
@@ -20,12 +21,16 @@ struct TouchableOptions {
 };
 
 /// A body that does not change once it is made. When its state space has grown, give the loop a new
-/// one.
+/// one, which may share with it all that has not changed.
 class Touchable {
  public:
   /// @throws InputError the space has no tool space, or a tool space cannot be interpolated with
   /// the method.
   explicit Touchable(const TouchSpace& space, const TouchableOptions& options = {});
+  /// The body whose state space has taken a chunk.
+  /// @param before The body before that, which need not outlive this one.
+  /// @param space It has taken the chunk.
+  Touchable(const Touchable& before, const TouchSpace& space, const SpaceChunk& chunk);
 
   struct Node {
     /// The node's number as a point of the mesh and as a point of the surface.
@@ -35,11 +40,11 @@ class Touchable {
     double tip_radius = 0;
     SolutionBranches branches;
     /// The force on each branch.
-    std::vector<std::unique_ptr<Interpolator>> on_branch;
+    std::vector<std::shared_ptr<const Interpolator>> on_branch;
   };
 
   [[nodiscard]] const std::string& scene_hash() const { return scene_hash_; }
-  [[nodiscard]] const SurfaceTree& surface() const { return surface_; }
+  [[nodiscard]] const SurfaceTree& surface() const { return *surface_; }
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
   /// The index in nodes() of a point of the surface; −1: the point is not active.
   [[nodiscard]] std::int32_t node_of_surface_point(Index point) const { return node_of_[point]; }
@@ -63,12 +68,19 @@ class Touchable {
   [[nodiscard]] std::size_t bytes() const { return total_bytes(memory()); }
 
  private:
+  /// Makes the forces of a tool space anew.
+  /// @param space It has the tool space.
+  void take(const TouchToolSpace& tool_space, const TouchSpace& space);
+  void take_stiffness(const std::vector<ConfigurationSummary>& configurations);
+
+  TouchableOptions options_;
   std::string scene_hash_;
-  SurfaceTree surface_;
+  /// Bodies that follow each other share it.
+  std::shared_ptr<const SurfaceTree> surface_;
   /// The nodes in the order of their mesh points.
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_;
-  std::unique_ptr<Interpolator> force_on_tool_;
+  std::shared_ptr<const Interpolator> force_on_tool_;
   double tool_half_width_ = 0;
   double largest_stiffness_ = 0;
   double largest_tip_radius_ = 0;

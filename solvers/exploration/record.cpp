@@ -16,14 +16,17 @@
 #include "storage/stored_touch_space.h"
 
 namespace palpate {
+namespace storage {
 
 template <class Visit>
-void for_each_part(StateSpaceFile::BasisBox& box, Visit&& visit) {
+void for_each_part(BasisBox& box, Visit&& visit) {
   visit(box.number);
   visit(box.box);
   visit(box.keep);
   visit(box.error);
 }
+
+}  // namespace storage
 
 namespace {
 
