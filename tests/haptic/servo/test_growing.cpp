@@ -13,6 +13,7 @@
 
 #include "exploration/precompute.h"
 #include "haptic/servo/servo.h"
+#include "haptic/touching/body_touch.h"
 #include "haptic/transport/simulated_board.h"
 #include "solvers/support/block.h"
 
@@ -93,7 +94,7 @@ TEST(Growing, AServoTouchesASpaceThatIsSteeredByTheHand) {
     body = body == nullptr ? std::make_shared<const Touchable>(space)
                            : std::make_shared<const Touchable>(*body, space, chunk);
     ++num_bodies;
-    servo.set_body(body);
+    servo.set_touch(make_touch(body));
   };
   const auto session = begin_exploration(std::make_shared<const Scene>(growing.block.scene),
                                          growing.options, *growing.communicator, {}, take_chunk);
