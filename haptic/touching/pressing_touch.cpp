@@ -5,10 +5,9 @@ namespace palpate {
 
 bool PressingTouch::take_over(const Touch& before) noexcept {
   if (!BodyTouch::take_over(before)) return false;
-  if (const auto* pressing = dynamic_cast<const PressingTouch*>(&before)) {
-    has_lost_ = pressing->has_lost_;
-    press_ = pressing->press_;
-  }
+  const auto* pressing = dynamic_cast<const PressingTouch*>(&before);
+  has_lost_ = pressing != nullptr && pressing->has_lost_;
+  press_ = pressing != nullptr ? pressing->press_ : Press();
   return true;
 }
 

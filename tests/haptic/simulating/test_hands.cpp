@@ -77,6 +77,26 @@ TEST(Hands, TheForceBeginsAtZeroWhereverTheHandTakesHold) {
   EXPECT_LT(rig.hands[0]->counters().largest_force, 2 * kForceUnit);
 }
 
+// Offered anew, the same tool stays in the hand, and the energies of before count; another one is
+// not held until the hand was outside of it.
+TEST(Hands, ATouchOfTheSameToolGoesOn) {
+  TwoHands rig(pulls(kPull));
+  rig.run(250ms);
+  test::Hand& hand = *rig.hands[0];
+  const Tick before = hand.last();
+  ASSERT_EQ(before.contact.status, ContactStatus::attached);
+  ASSERT_NE(before.dissipated, 0);
+  hand.inbox.touch.offer(std::make_shared<CoupledTool>(rig.tools[0]));
+  rig.step();
+  EXPECT_EQ(hand.last().contact.status, ContactStatus::attached);
+  EXPECT_LT((hand.last().contact.force - before.contact.force).norm(), 0.1);
+  EXPECT_EQ(hand.last().dissipated, before.dissipated);
+  hand.inbox.touch.offer(std::make_shared<CoupledTool>(rig.tools[1]));
+  rig.step();
+  EXPECT_NE(hand.last().contact.status, ContactStatus::attached);
+  EXPECT_EQ(hand.last().dissipated, 0);
+}
+
 TEST(Hands, UnderGravityTheBodyHangsStillUntilItIsPulled) {
   const test::BlockModel sagging =
       test::make_block_model(30000, 0.01, Law::neo_hookean, Vec3(0, 0, -9.81));
