@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include "assembly/external_energy.h"
 #include "assembly/mass.h"
 #include "assembly/piece_support.h"
 #include "base/error.h"
+#include "base/quantity.h"
 #include "dynamics/run_notes.h"
 #include "dynamics/step_term.h"
 #include "dynamics/viscosity.h"
@@ -45,13 +45,6 @@ constexpr double kLeastShare = 1e-12;
 /// Share of the longest step at which a tool that passes through the surface of the body does not
 /// do so because of the step's length.
 constexpr double kShortestThrough = 1.0 / 16;
-
-/// Formats a number so that short steps keep their digits.
-std::string text_of(double number) {
-  std::ostringstream text;
-  text << number;
-  return text.str();
-}
 
 bool ends_run(Outcome outcome) {
   return outcome == Outcome::aborted || outcome == Outcome::budget_used_up;
@@ -94,13 +87,13 @@ void validate(const DynamicsOptions& options) {
     if (!good) throw InputError(what);
   };
   check(options.time_step >= kLeastTimeStep && std::isfinite(options.time_step),
-        "The time step (TimeStep) is " + text_of(options.time_step) + " s; it must be at least " +
-            text_of(kLeastTimeStep) + " s.");
+        "The time step (TimeStep) is " + quantity(options.time_step, "s") +
+            "; it must be at least " + quantity(kLeastTimeStep, "s") + ".");
   check(options.tolerance >= 0 && options.tolerance < 1,
-        "The tolerance of a step (StepTolerance) is " + text_of(options.tolerance) +
+        "The tolerance of a step (StepTolerance) is " + quantity(options.tolerance) +
             "; it must be from 0 to below 1.");
   check(options.spectral_radius >= 0 && options.spectral_radius <= 1,
-        "The spectral radius (SpectralRadius) is " + text_of(options.spectral_radius) +
+        "The spectral radius (SpectralRadius) is " + quantity(options.spectral_radius) +
             "; it must be from 0 to 1.");
   check(options.max_halvings >= 0 && options.max_halvings <= 30,
         "A step may be halved (MaximumHalvings) " + std::to_string(options.max_halvings) +
@@ -143,7 +136,7 @@ class DynamicSolver::Impl {
                        std::to_string(system_.num_coordinates()) + '.');
     }
     if (!(until >= 0 && std::isfinite(until))) {
-      throw InputError("The motion ends at " + text_of(until) +
+      throw InputError("The motion ends at " + quantity(until) +
                        " s (EndTime); it must end at a time that is not negative.");
     }
     DynamicState state =
@@ -229,16 +222,16 @@ class DynamicSolver::Impl {
   [[nodiscard]] static DynamicState untried(const DynamicState& from, double length) {
     DynamicState to;
     to.outcome = Outcome::not_converged;
-    to.message = "In the step of " + text_of(length) + " s from " + text_of(from.motion.time) +
+    to.message = "In the step of " + quantity(length, "s") + " from " + quantity(from.motion.time) +
                  " s on a tool moves so far that it could pass through the body.";
     return to;
   }
 
   /// Advice for a motion that ends because no step may be shorter.
   [[nodiscard]] std::string advice(const DynamicState& last, double shortest) const {
-    return " No step may be shorter than " + text_of(shortest) +
+    return " No step may be shorter than " + quantity(shortest) +
            " s (TimeStep, halved MaximumHalvings times). The least det F before it is " +
-           text_of(last.minimum_det_f) + " in " +
+           quantity(last.minimum_det_f) + " in " +
            describe_cell(scene_.mesh, last.minimum_det_f_cell) +
            ". Move the tools more slowly or less far, give those that hold the body a TipRadius, "
            "refine the mesh there, or allow for more halvings" +
@@ -427,7 +420,7 @@ class DynamicSolver::Impl {
     to.residual = correction.residual;
     to.iterations = correction.iterations;
     if (correction.outcome != Outcome::converged) {
-      to.message = "The step of " + text_of(length) + " s from " + text_of(from.motion.time) +
+      to.message = "The step of " + quantity(length, "s") + " from " + quantity(from.motion.time) +
                    (correction.outcome == Outcome::tool_inside
                         ? " s on takes a tool through the surface of the body. Make the edges of "
                           "the mesh under it at most as long as its radius, or press less deep."
@@ -444,7 +437,7 @@ class DynamicSolver::Impl {
     to.tools = q;
     if (!to.motion.u.allFinite()) {
       to.outcome = Outcome::not_converged;
-      to.message = "The step of " + text_of(length) + " s from " + text_of(from.motion.time) +
+      to.message = "The step of " + quantity(length, "s") + " from " + quantity(from.motion.time) +
                    " s on has displacements that are no numbers.";
       return to;
     }
