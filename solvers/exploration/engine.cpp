@@ -32,6 +32,23 @@ enum class Kind : std::uint8_t {
 };
 [[nodiscard]] bool is_sound(Kind kind) { return kind >= Kind::recalled && kind <= Kind::progress; }
 
+/// Of what another rank says, numbers become places in lists: they have to be in their range.
+/// @throws BackendError one is not.
+void require_possible(const Grid& grid, const CheckPoint& p, std::int32_t level) {
+  Unpacker::require(std::all_of(
+      p.begin(), p.end(), [&](std::int32_t x) { return x >= -grid.reach() && x <= grid.reach(); }));
+  constexpr std::int32_t kLeast = -num_neighbours * kMostLevels;
+  Unpacker::require(level >= kLeast && level < kMostLevels);
+}
+void require_reached(std::int32_t level) {
+  Unpacker::require(level >= beyond_most_levels && level < kMostLevels);
+}
+void require_possible(const Grid& grid, const ConfigurationSummary& summary) {
+  require_possible(grid, summary.check_point, summary.level);
+  require_possible(grid, summary.parent, summary.parent_level);
+  for (const std::int32_t level : summary.reached) require_reached(level);
+}
+
 /// The number of transitions and configurations of earlier runs that one task tells the owners.
 constexpr std::size_t kRecalledAtOnce = 256;
 
@@ -215,17 +232,39 @@ void Engine::recall_some(Mail& mail) {
   to_recall_.pop_front();
 }
 
-/// Takes in, at an owner, what rank 0 tells of earlier runs.
-void Engine::recall(Unpacker& content, Mail& mail) {
+ToolSpaceId Engine::take_space(Unpacker& content) const {
+  const auto id = content.take<ToolSpaceId>();
+  Unpacker::require(has_space(spaces_, id));
+  return id;
+}
+
+ToolSpaceId Engine::take_owned_space(Unpacker& content) const {
   const auto id = content.take<ToolSpaceId>();
   Unpacker::require(owned_.count(id) > 0);
+  return id;
+}
+
+ConfigurationSummary Engine::take_summary(Unpacker& content, ToolSpaceId tool_space) const {
+  auto summary = content.take<ConfigurationSummary>();
+  require_possible(setup_of(tool_space).grid, summary);
+  return summary;
+}
+
+/// Takes in, at an owner, what rank 0 tells of earlier runs.
+void Engine::recall(Unpacker& content, Mail& mail) {
+  const auto id = take_owned_space(content);
+  const Grid& grid = setup_of(id).grid;
   Owned& owned = owned_.at(id);
   const bool is_spread = space(id).plan->is_spread();
   for (const auto& transition : content.take_list<std::vector<LevelTransition>>()) {
+    require_possible(grid, transition.start, transition.start_level);
+    require_possible(grid, transition.target, 0);
+    require_reached(transition.reached);
     owned.strategy->recall(transition);
     if (transition.reached == beyond_most_levels) ++report_.num_beyond_most_levels;
   }
   for (const auto& summary : content.take_list<std::vector<ConfigurationSummary>>()) {
+    require_possible(grid, summary);
     owned.strategy->recall(summary);
     if (summary.usable()) owned.located[key_of(id, summary)] = {summary, 0};
     if (is_spread) owned.known.push_back(summary);
@@ -244,13 +283,13 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
   switch (content.take<Kind>()) {
     case Kind::recalled: recall(content, mail); break;
     case Kind::found: {
-      const auto id = content.take<ToolSpaceId>();
-      take_in(id, content.take<ConfigurationSummary>(), from, mail);
+      const auto id = take_owned_space(content);
+      take_in(id, take_summary(content, id), from, mail);
       break;
     }
     case Kind::settle: {
-      const auto id = content.take<ToolSpaceId>();
-      const ConfigurationSummary candidate = content.take<ConfigurationSummary>();
+      const auto id = take_space(content);
+      const ConfigurationSummary candidate = take_summary(content, id);
       record_.settle(id, candidate, content.take<std::int32_t>());
       break;
     }
@@ -258,8 +297,11 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
       while (!content.at_end()) queue_.enqueue(unpack(content));
       break;
     case Kind::ask: {
-      const auto id = content.take<ToolSpaceId>();
-      hear(id, content.take<Question>(), mail);
+      const auto id = take_owned_space(content);
+      const auto question = content.take<Question>();
+      require_possible(setup_of(id).grid, question.start, 0);
+      require_possible(setup_of(id).grid, question.target.check_point, question.target.level);
+      hear(id, question, mail);
       break;
     }
     case Kind::steer: hear_steering(content); break;
@@ -658,16 +700,20 @@ void Engine::pack(Batch& batch, bool with_state, Packer& message) {
   message.put_list(batch.targets);
 }
 
-Engine::Batch Engine::unpack(Unpacker& message) {
+Engine::Batch Engine::unpack(Unpacker& message) const {
   Batch batch;
-  batch.tool_space = message.take<ToolSpaceId>();
-  batch.start = message.take<ConfigurationSummary>();
+  batch.tool_space = take_space(message);
+  batch.start = take_summary(message, batch.tool_space);
   if (message.take<bool>()) {
     batch.is_recorded_here = false;
     batch.state =
         std::make_shared<const Equilibrium>(to_equilibrium(message.take<Configuration>()));
   }
   batch.targets = message.take_list<std::deque<Target>>();
+  Unpacker::require(!batch.targets.empty());
+  for (const Target& target : batch.targets) {
+    require_possible(setup_of(batch.tool_space).grid, target.check_point, target.level);
+  }
   return batch;
 }
 

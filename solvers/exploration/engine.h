@@ -156,7 +156,13 @@ class Engine final : public Worker {
   [[nodiscard]] static Batch split(Batch& batch);
   /// @param with_state Also packs the state of the start, for a rank whose record does not have it.
   void pack(Batch& batch, bool with_state, Packer& message);
-  [[nodiscard]] static Batch unpack(Unpacker& message);
+  [[nodiscard]] Batch unpack(Unpacker& message) const;
+  /// Take from a message the number of a tool space, the number of one that this rank owns, or a
+  /// part of it, and a configuration.
+  /// @throws BackendError there is none with that number, or the configuration is not of its grid.
+  [[nodiscard]] ToolSpaceId take_space(Unpacker& content) const;
+  [[nodiscard]] ToolSpaceId take_owned_space(Unpacker& content) const;
+  [[nodiscard]] ConfigurationSummary take_summary(Unpacker& content, ToolSpaceId tool_space) const;
   /// Reads the state of a batch's start, unless it was read before. If only a part of its fields
   /// was kept, the equilibrium is solved for again; if it is not found again, its outcome says so
   /// and the transitions from it fail.

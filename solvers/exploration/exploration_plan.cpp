@@ -40,10 +40,23 @@ std::uint64_t ExplorationPlan::owner_key(ToolSpaceId tool_space, const CheckPoin
   return key;
 }
 
-const PlannedSpace& find_space(const std::vector<PlannedSpace>& spaces, ToolSpaceId tool_space) {
-  return *std::lower_bound(
+namespace {
+
+auto place_of(const std::vector<PlannedSpace>& spaces, ToolSpaceId tool_space) {
+  return std::lower_bound(
       spaces.begin(), spaces.end(), tool_space,
       [](const PlannedSpace& space, ToolSpaceId id) { return space.setup.id < id; });
+}
+
+}  // namespace
+
+bool has_space(const std::vector<PlannedSpace>& spaces, ToolSpaceId tool_space) {
+  const auto place = place_of(spaces, tool_space);
+  return place != spaces.end() && place->setup.id == tool_space;
+}
+
+const PlannedSpace& find_space(const std::vector<PlannedSpace>& spaces, ToolSpaceId tool_space) {
+  return *place_of(spaces, tool_space);
 }
 
 std::shared_ptr<const ExplorationPlan> make_grid_plan(const ToolSpaceSetup& setup) {

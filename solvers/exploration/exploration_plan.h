@@ -44,7 +44,8 @@ struct PlannedSpace {
   std::shared_ptr<const ExplorationPlan> plan;
 };
 
-/// The space of a number that is among some spaces, which are ordered by their numbers.
+/// Of spaces that are ordered by their numbers: whether one has a number, and that which has it.
+[[nodiscard]] bool has_space(const std::vector<PlannedSpace>& spaces, ToolSpaceId tool_space);
 [[nodiscard]] const PlannedSpace& find_space(const std::vector<PlannedSpace>& spaces,
                                              ToolSpaceId tool_space);
 

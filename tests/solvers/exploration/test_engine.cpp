@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "exploration/layered_grid.h"
 #include "schedule/owner.h"
 #include "solvers/exploration/strategy_run.h"
@@ -75,6 +76,56 @@ double work_of(const std::vector<Recording>& recordings, const std::vector<int>&
   double seconds = 0;
   for (const int recording : setups) seconds += work_of(recordings[recording]);
   return seconds;
+}
+
+/// Explores on three ranks, and changes one of their messages.
+/// @returns The number of messages; of a run that was refused, of those until then.
+template <class Change>
+int run_with_damage(const std::vector<Recording>& recordings, int damaged, bool& is_refused,
+                    Change&& change) {
+  int number = 0;
+  ReplayOptions options;
+  options.num_known = 20;
+  options.damage = [&](Bytes& message) {
+    if (number++ == damaged) change(message);
+  };
+  is_refused = false;
+  try {
+    (void)test::replay(recordings, {0, 1, 2, 3}, 3, options);
+  } catch (const BackendError&) {
+    is_refused = true;
+  }
+  return number;
+}
+
+TEST(SimulatedEngine, AMessageThatIsCutOffIsRefused) {
+  const std::vector<Recording> recordings = make_recordings(5);
+  bool is_refused = false;
+  const int messages = run_with_damage(recordings, -1, is_refused, [](Bytes&) {});
+  ASSERT_FALSE(is_refused);
+  ASSERT_GT(messages, 100);
+  for (int damaged = 0; damaged < messages; damaged += 7) {
+    (void)run_with_damage(recordings, damaged, is_refused, [](Bytes& m) { m.pop_back(); });
+    EXPECT_TRUE(is_refused) << damaged;
+  }
+}
+
+// What a message says may be wrong and still be possible; anything else is refused.
+TEST(SimulatedEngine, ADamagedMessageIsRefusedOrPossible) {
+  const std::vector<Recording> recordings = make_recordings(5);
+  bool is_refused = false;
+  const int messages = run_with_damage(recordings, -1, is_refused, [](Bytes&) {});
+  std::uint64_t random = 1;
+  int refused = 0;
+  for (int i = 0; i < 400; ++i) {
+    const auto damaged = static_cast<int>(mix(++random) % static_cast<unsigned>(messages));
+    const auto change = [&](Bytes& m) {
+      m[mix(++random) % m.size()] = static_cast<std::byte>(mix(++random) % 256);
+    };
+    EXPECT_NO_THROW((void)run_with_damage(recordings, damaged, is_refused, change)) << i;
+    refused += is_refused ? 1 : 0;
+  }
+  EXPECT_GT(refused, 40);
 }
 
 TEST(SimulatedEngine, AloneTakesTheTimeOfTheConfigurations) {

@@ -238,7 +238,10 @@ class SimulatedEngine final : public Worker {
 
   void start(Mail& mail) override { engine_.start(mail); }
   void receive(int from, const Bytes& message, Mail& mail) override {
-    engine_.receive(from, message, mail);
+    if (!plan_.options.damage) return engine_.receive(from, message, mail);
+    Bytes damaged = message;
+    plan_.options.damage(damaged);
+    engine_.receive(from, damaged, mail);
   }
   [[nodiscard]] bool has_work() const override { return engine_.has_work(); }
   void work(Mail& mail) override { engine_.work(mail); }

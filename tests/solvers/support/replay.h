@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "exploration/precompute.h"
@@ -31,6 +32,8 @@ struct ReplayOptions {
   double factorisation_seconds = 25e-3;
   /// Of each tool space, configurations that an earlier run has left.
   std::size_t num_known = 0;
+  /// Changes a message before the engine gets it; empty: none is changed.
+  std::function<void(Bytes&)> damage;
 };
 
 struct Replay {
