@@ -68,7 +68,7 @@ class Kept : public testing::Test {
     const StateSpaceFile of = StateSpaceFile::open_read_only(file(reduced));
     const StateSpaceFile from = StateSpaceFile::open_read_only(file(whole));
     EXPECT_EQ(of.bases().keep(), keep);
-    EXPECT_EQ(from.keep(), Keep::all);
+    EXPECT_EQ(from.bases().keep(), Keep::all);
     const Surface surface = make_surface(block_.scene.mesh);
     const std::vector<Index> points = kept_points(block_.scene.mesh, surface, keep);
     for (const ToolSpace& space : from.read_tool_spaces()) {
