@@ -21,7 +21,7 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
   nodes_.reserve(space.tool_spaces.size());
   for (const TouchToolSpace& tool_space : space.tool_spaces) {
     take_stiffness(tool_space.configurations);
-    take(tool_space, space);
+    take(tool_space, space, {});
   }
 }
 
@@ -29,7 +29,9 @@ Touchable::Touchable(const Touchable& before, const TouchSpace& space, const Spa
     : Touchable(before) {
   for (const ToolSpaceChunk& part : chunk.tool_spaces) {
     take_stiffness(part.configurations);
-    take(*space.find(part.setup.id), space);
+    std::vector<CheckPoint> changed;
+    for (const ConfigurationSummary& c : part.configurations) changed.push_back(c.check_point);
+    take(*space.find(part.setup.id), space, changed);
   }
 }
 
@@ -42,10 +44,12 @@ void Touchable::take_stiffness(const std::vector<ConfigurationSummary>& configur
   }
 }
 
-void Touchable::take(const TouchToolSpace& tool_space, const TouchSpace& space) {
+void Touchable::take(const TouchToolSpace& tool_space, const TouchSpace& space,
+                     const std::vector<CheckPoint>& changed) {
   if (tool_space.setup.presses()) {
     if (&tool_space != space.find_pressing()) return;
-    force_on_tool_ = make_interpolator(options_.method, tool_space, options_.interpolation);
+    force_on_tool_ = make_interpolator(options_.method, tool_space, options_.interpolation,
+                                       force_on_tool_.get(), changed);
     tool_half_width_ = tool_space.setup.interaction.touching_radius();
     return;
   }
@@ -55,13 +59,20 @@ void Touchable::take(const TouchToolSpace& tool_space, const TouchSpace& space) 
     throw InputError("Active node " + std::to_string(mesh_point) +
                      " is not on the surface of the body: a tool cannot reach it.");
   }
+  const std::int32_t known = node_of_[surface_point];
   SolutionBranches branches(tool_space);
   std::vector<std::shared_ptr<const Interpolator>> on_branch;
   for (int branch = 0; branch < branches.size(); ++branch) {
-    on_branch.push_back(make_interpolator(
-        options_.method,
-        branches.size() == 1 ? tool_space : restricted(tool_space, branches.configurations(branch)),
-        options_.interpolation));
+    if (branches.size() > 1) {
+      on_branch.push_back(make_interpolator(options_.method,
+                                            restricted(tool_space, branches.configurations(branch)),
+                                            options_.interpolation));
+      continue;
+    }
+    const bool grows = known >= 0 && nodes_[known].branches.size() == 1;
+    on_branch.push_back(make_interpolator(options_.method, tool_space, options_.interpolation,
+                                          grows ? nodes_[known].on_branch[0].get() : nullptr,
+                                          changed));
   }
   Node node{mesh_point,
             surface_point,
@@ -70,7 +81,7 @@ void Touchable::take(const TouchToolSpace& tool_space, const TouchSpace& space) 
             std::move(branches),
             std::move(on_branch)};
   largest_tip_radius_ = std::max(largest_tip_radius_, node.tip_radius);
-  if (const std::int32_t known = node_of_[surface_point]; known >= 0) {
+  if (known >= 0) {
     nodes_[known] = std::move(node);
     return;
   }

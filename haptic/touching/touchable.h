@@ -68,9 +68,11 @@ class Touchable {
   [[nodiscard]] std::size_t bytes() const { return total_bytes(memory()); }
 
  private:
-  /// Makes the forces of a tool space anew.
+  /// Makes the forces of a tool space, from those that are there if it has grown.
   /// @param space It has the tool space.
-  void take(const TouchToolSpace& tool_space, const TouchSpace& space);
+  /// @param changed Where it has grown.
+  void take(const TouchToolSpace& tool_space, const TouchSpace& space,
+            const std::vector<CheckPoint>& changed);
   void take_stiffness(const std::vector<ConfigurationSummary>& configurations);
 
   TouchableOptions options_;

@@ -6,6 +6,7 @@
 
 #include "exploration/transfer.h"
 #include "interaction/tool_clearance.h"
+#include "interpolation/clearance.h"
 #include "state_space/surface.h"
 
 namespace palpate {
@@ -135,7 +136,9 @@ ToolSpaceChunk ChunkRecord::chunk_of(const ToolSpaceSetup& setup, std::vector<Fo
   }
   if (setup.presses()) {
     add_clearance(tools_.clearance(setup.interaction), marked);
-    chunk.clearance = std::move(marked.clearance);
+    Clearance& clearance = clearances_[setup.id];
+    if (!clearance) clearance = remembering(std::move(marked.clearance));
+    chunk.clearance = clearance;
   } else {
     reduce(found, setup.grid.field_step(), modes_[setup.id], chunk);
   }

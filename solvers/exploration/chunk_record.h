@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "exploration/record.h"
-#include "interaction/interaction_spec.h"
 #include "fields/space_chunk.h"
+#include "interaction/interaction_spec.h"
 
 namespace palpate {
 
@@ -104,6 +104,8 @@ class ChunkRecord final : public Record {
   std::vector<std::pair<ToolSpaceId, LevelTransition>> transitions_;
   std::int64_t num_chunks_ = 0;
   std::map<ToolSpaceId, Modes> modes_;
+  /// Of rigid tools.
+  std::map<ToolSpaceId, Clearance> clearances_;
 };
 
 }  // namespace palpate

@@ -13,9 +13,9 @@
 #include "exploration/precompute_report.h"
 #include "exploration/progress.h"
 #include "exploration/steering.h"
+#include "fields/space_chunk.h"
 #include "linear/linear_solver.h"
 #include "schedule/communicator.h"
-#include "fields/space_chunk.h"
 #include "state_space/touch_space.h"
 
 namespace palpate {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace palpate {
 
@@ -54,7 +55,7 @@ double BranchTest::largest(const Cell& cell, bool halves, Edges edges) const {
   return largest;
 }
 
-bool BranchTest::is_across(const Cell& cell) const {
+bool BranchTest::has_jump(const Cell& cell) const {
   if (4 * cell.side > grid_.tree().coarsest()) return false;
   const Cell parent = parent_of(cell, grid_.reach());
   const Cell its_parent = parent_of(parent, grid_.reach());
@@ -67,16 +68,14 @@ bool BranchTest::is_across(const Cell& cell) const {
 double BranchTest::largest_jump() const {
   double jump = 0;
   for (const CellTree::Leaf& leaf : grid_.tree().leaves()) {
-    if (is_across(leaf.cell))
-      jump = std::max(jump, largest(leaf.cell, false, Edges::without_onset));
+    if (has_jump(leaf.cell)) jump = std::max(jump, largest(leaf.cell, false, Edges::without_onset));
   }
   return jump;
 }
 
-std::vector<char> BranchTest::leaves_across() const {
+std::vector<char> BranchTest::leaves_across(std::vector<char> has_jump) const {
   const auto& leaves = grid_.tree().leaves();
-  std::vector<char> across;
-  for (const CellTree::Leaf& leaf : leaves) across.push_back(is_across(leaf.cell) ? 1 : 0);
+  std::vector<char> across = std::move(has_jump);
   for (int layer = 0; layer < kLayers; ++layer) {
     std::vector<char> reached(static_cast<std::size_t>(grid_.num_nodes()), 0);
     for (std::size_t l = 0; l < leaves.size(); ++l) {

@@ -30,18 +30,21 @@ class BranchTest {
   /// The largest residual along the edges of leaves that lie across branches themselves, J.
   [[nodiscard]] double largest_jump() const;
 
-  /// For each leaf, 1 if it lies across branches: if two refinements in a row have left more than
-  /// an eighth of the residual, in a sparse grid a quarter, or if the leaf is so near to such a
-  /// leaf that its mixed derivatives are differences across it. Edges between a free node and one
-  /// that is not free do not count: contact begins there with the fourth power of the depth, and no
-  /// branch ends.
-  [[nodiscard]] std::vector<char> leaves_across() const;
+  /// Whether two refinements in a row have left more than an eighth of a leaf's residual, in a
+  /// sparse grid a quarter. Edges between a free node and one that is not free do not count:
+  /// contact begins there with the fourth power of the depth, and no branch ends. The answer
+  /// depends on the root cell of the leaf alone.
+  [[nodiscard]] bool has_jump(const Cell& leaf) const;
+
+  /// For each leaf, 1 if it lies across branches: if it has a jump, or is so near to such a leaf
+  /// that its mixed derivatives are differences across it.
+  /// @param has_jump For each leaf, 1 if has_jump() says so.
+  [[nodiscard]] std::vector<char> leaves_across(std::vector<char> has_jump) const;
 
  private:
   enum class Edges { all, without_onset };
   [[nodiscard]] double residual(CheckPoint first, int axis, std::int32_t side, Edges edges) const;
   [[nodiscard]] double largest(const Cell& cell, bool halves, Edges edges) const;
-  [[nodiscard]] bool is_across(const Cell& cell) const;
 
   const CheckPointGrid& grid_;
   const std::vector<ConfigurationSummary>& configurations_;

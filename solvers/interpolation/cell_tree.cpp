@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 
@@ -46,33 +49,18 @@ CellTree::CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& co
   num_roots_ = 2 * reach_ / coarsest_;
   per_coarsest_ = 1.0 / coarsest_;
 
-  std::vector<Key> found;
   if (coarsest_ > 1 || grid.sparse) {
-    found.reserve(configurations.size());
+    found_.reserve(configurations.size());
     for (const ConfigurationSummary& c : configurations) {
-      if (is_on_grid(c.check_point)) found.push_back(key(c.check_point));
+      if (is_on_grid(c.check_point)) found_.push_back(key(c.check_point));
     }
-    make_set(found);
+    make_set(found_);
   }
-  const auto is_found = [&](const CheckPoint& p) {
-    return is_on_grid(p) && std::binary_search(found.begin(), found.end(), key(p));
-  };
-  const auto is_split = [&](const Cell& cell) {
-    if (cell.side == 1) return false;
-    for (int i = 0; i < 27; ++i) {
-      // Test the centre first: few cells have it without being split.
-      if (!is_found(point_of_halves(cell, (i + 13) % 27))) return false;
-    }
-    return true;
-  };
-
   const std::int32_t n = num_roots_;
   cells_.resize(static_cast<std::size_t>(n) * n * n);
-  // The existing cells, and their indices in cells_.
   std::vector<Cell> cells;
-  std::vector<std::int32_t> places;
   if (grid.sparse) {
-    for (Key k : found) {
+    for (const Key k : found_) {
       const CheckPoint p = point_of(k);
       std::int32_t root = 0;
       bool is_there = true;
@@ -86,11 +74,13 @@ CellTree::CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& co
       }
       if (!is_there) continue;
       cells.push_back(cell);
-      places.push_back(root);
+      present_.push_back(root);
       for (int corner = 0; corner < 8; ++corner) keys_.push_back(key(corner_of(cell, corner)));
     }
-    fill_absent_cells(grid, clearance, places, cells_);
+    fill_absent_cells(grid, clearance, present_, cells_);
+    split(std::move(cells), present_);
   } else {
+    std::vector<std::int32_t> places;
     for (std::int32_t x = 0; x <= n; ++x) {
       for (std::int32_t y = 0; y <= n; ++y) {
         for (std::int32_t z = 0; z <= n; ++z) {
@@ -103,7 +93,116 @@ CellTree::CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& co
         }
       }
     }
+    split(std::move(cells), std::move(places));
   }
+  make_set(keys_);
+  fill_corners(0);
+}
+
+CellTree::CellTree(const CellTree& before, const Grid& grid, const std::vector<CheckPoint>& changed,
+                   const Clearance& clearance, Growth& growth)
+    : reach_(before.reach_),
+      coarsest_(before.coarsest_),
+      num_roots_(before.num_roots_),
+      per_coarsest_(before.per_coarsest_),
+      present_(before.present_) {
+  const auto num_roots = static_cast<std::size_t>(num_roots_) * num_roots_ * num_roots_;
+  std::vector<char> is_anew(num_roots, 0);
+  std::vector<std::int32_t> anew;
+  for (const CheckPoint& p : changed) {
+    if (!is_on_grid(p)) continue;
+    for_each_root_around(p, [&](std::int32_t root) {
+      if (std::exchange(is_anew[static_cast<std::size_t>(root)], 1) == 0) anew.push_back(root);
+    });
+  }
+  if (coarsest_ > 1 || grid.sparse) {
+    std::vector<Key> added;
+    for (const CheckPoint& p : changed) {
+      if (is_on_grid(p)) added.push_back(key(p));
+    }
+    make_set(added);
+    std::set_union(before.found_.begin(), before.found_.end(), added.begin(), added.end(),
+                   std::back_inserter(found_));
+  }
+  std::vector<Cell> cells;
+  std::vector<std::int32_t> places;
+  for (const std::int32_t root : anew) {
+    const Cell cell = root_cell(root);
+    bool is_there = true;
+    for (int corner = 0; corner < 8 && is_there && grid.sparse; ++corner) {
+      is_there = is_found(corner_of(cell, corner));
+    }
+    if (!is_there) continue;
+    cells.push_back(cell);
+    places.push_back(root);
+    for (int corner = 0; corner < 8; ++corner) keys_.push_back(key(corner_of(cell, corner)));
+  }
+
+  growth.leaves.assign(before.leaves_.size(), -1);
+  for (std::size_t l = 0; l < before.leaves_.size(); ++l) {
+    const Leaf& leaf = before.leaves_[l];
+    std::int32_t root = 0;
+    for (const std::int32_t x : leaf.cell.first) {
+      root = root * num_roots_ + (x + reach_) / coarsest_;
+    }
+    if (is_anew[static_cast<std::size_t>(root)] != 0) continue;
+    growth.leaves[l] = static_cast<std::int32_t>(leaves_.size());
+    leaves_.push_back(leaf);
+  }
+  const std::size_t num_kept = leaves_.size();
+
+  cells_.resize(num_roots);
+  std::vector<char> is_split_anew(num_roots, 0);
+  for (const std::int32_t root : places) is_split_anew[static_cast<std::size_t>(root)] = 1;
+  if (grid.sparse) {
+    present_.insert(present_.end(), places.begin(), places.end());
+    make_set(present_);
+  }
+  std::vector<std::int32_t> copies;
+  if (grid.sparse && present_.size() > before.present_.size()) {
+    fill_absent_cells(grid, clearance, present_, cells_);
+    for (const std::int32_t root : before.present_) copies.push_back(root);
+  } else {
+    copies.resize(num_roots);
+    std::iota(copies.begin(), copies.end(), 0);
+  }
+  for (const std::int32_t root : copies) {
+    if (is_split_anew[static_cast<std::size_t>(root)] != 0) continue;
+    const std::int32_t entry = copy(before, before.cells_[root], growth.leaves);
+    cells_[root] = entry;
+  }
+  split(std::move(cells), std::move(places));
+
+  make_set(keys_);
+  const std::vector<Key> of_anew = std::exchange(keys_, {});
+  std::set_union(before.keys_.begin(), before.keys_.end(), of_anew.begin(), of_anew.end(),
+                 std::back_inserter(keys_));
+  growth.nodes.resize(before.keys_.size());
+  growth.nodes_anew.clear();
+  std::size_t b = 0;
+  for (std::int32_t n = 0; n < num_nodes(); ++n) {
+    if (b < before.keys_.size() && before.keys_[b] == keys_[n]) growth.nodes[b++] = n;
+    bool is_at_anew = false;
+    for_each_root_around(point(n), [&](std::int32_t root) {
+      is_at_anew = is_at_anew || is_anew[static_cast<std::size_t>(root)] != 0;
+    });
+    if (is_at_anew) growth.nodes_anew.push_back(n);
+  }
+  for (std::size_t l = 0; l < num_kept; ++l) {
+    for (std::int32_t& corner : leaves_[l].corners) corner = growth.nodes[corner];
+  }
+  fill_corners(num_kept);
+}
+
+void CellTree::split(std::vector<Cell> cells, std::vector<std::int32_t> places) {
+  const auto is_split = [&](const Cell& cell) {
+    if (cell.side == 1) return false;
+    for (int i = 0; i < 27; ++i) {
+      // Test the centre first: few cells have it without being split.
+      if (!is_found(point_of_halves(cell, (i + 13) % 27))) return false;
+    }
+    return true;
+  };
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Cell cell = cells[i];
     if (is_split(cell)) {
@@ -120,12 +219,39 @@ CellTree::CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& co
       leaves_.push_back({{}, cell});
     }
   }
-  make_set(keys_);
-  for (Leaf& leaf : leaves_) {
+}
+
+void CellTree::fill_corners(std::size_t first_leaf) {
+  for (std::size_t l = first_leaf; l < leaves_.size(); ++l) {
+    Leaf& leaf = leaves_[l];
     for (int corner = 0; corner < 8; ++corner) {
       leaf.corners[corner] = find(corner_of(leaf.cell, corner));
     }
   }
+}
+
+std::int32_t CellTree::copy(const CellTree& from, std::int32_t entry,
+                            const std::vector<std::int32_t>& leaves) {
+  if (entry < 0) return ~entry >= kFree ? entry : ~leaves[static_cast<std::size_t>(~entry)];
+  const std::size_t at = cells_.size();
+  cells_.resize(at + 8);
+  for (int child = 0; child < 8; ++child) {
+    const std::int32_t copied = copy(from, from.cells_[entry + child], leaves);
+    cells_[at + static_cast<std::size_t>(child)] = copied;
+  }
+  return static_cast<std::int32_t>(at);
+}
+
+Cell CellTree::root_cell(std::int32_t root) const {
+  const std::int32_t n = num_roots_;
+  const std::array<std::int32_t, 3> index{root / (n * n), root / n % n, root % n};
+  Cell cell{{}, coarsest_};
+  for (int k = 0; k < 3; ++k) cell.first[k] = coarsest_ * index[k] - reach_;
+  return cell;
+}
+
+bool CellTree::is_found(const CheckPoint& point) const {
+  return is_on_grid(point) && std::binary_search(found_.begin(), found_.end(), key(point));
 }
 
 CellTree::Place CellTree::locate_beside(std::int32_t root, Vec3& x) const noexcept {

@@ -93,6 +93,24 @@ class CellTree {
   CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
            const Clearance& clearance = {});
 
+  /// What is where, after configurations were added to a tree.
+  struct Growth {
+    /// By node of the tree before, the same node now.
+    std::vector<std::int32_t> nodes;
+    /// By leaf of the tree before, the same leaf now; −1: its root cell was built anew.
+    std::vector<std::int32_t> leaves;
+    /// The nodes in or at the root cells that were built anew, ascending. At all other nodes the
+    /// leaves are as they were.
+    std::vector<std::int32_t> nodes_anew;
+  };
+  /// The tree of the same grid after configurations were added or changed. It has the nodes and the
+  /// leaves that it would have if it were made of all of them, but another order of the leaves.
+  /// Root cells without a change are copied.
+  /// @param changed The check-points of these configurations.
+  /// @param clearance That of the tree before.
+  CellTree(const CellTree& before, const Grid& grid, const std::vector<CheckPoint>& changed,
+           const Clearance& clearance, Growth& growth);
+
   [[nodiscard]] std::int32_t num_nodes() const { return static_cast<std::int32_t>(keys_.size()); }
   /// Side of the root cells, in steps of the grid.
   [[nodiscard]] std::int32_t coarsest() const { return coarsest_; }
@@ -149,6 +167,34 @@ class CellTree {
   /// Goes from an entry of cells_ down to the leaf.
   /// @param s Local coordinates in the cell, and afterwards in the leaf.
   [[nodiscard]] std::int32_t descend(std::int32_t cell, Vec3& s) const noexcept;
+  [[nodiscard]] bool is_found(const CheckPoint& point) const;
+  [[nodiscard]] Cell root_cell(std::int32_t root) const;
+  /// Splits cells as far as the configurations say, and appends their nodes to keys_ and their
+  /// leaves, whose corners are not filled in yet.
+  /// @param places The indices of the cells in cells_.
+  void split(std::vector<Cell> cells, std::vector<std::int32_t> places);
+  void fill_corners(std::size_t first_leaf);
+  /// Calls visit(root) for the root cells whose closed cubes have a point of the grid, by number.
+  template <class Visit>
+  void for_each_root_around(const CheckPoint& point, Visit&& visit) const {
+    std::array<std::array<std::int32_t, 2>, 3> of_axis{};
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t x = point[k] + reach_;
+      of_axis[k][1] = std::min(x / coarsest_, num_roots_ - 1);
+      of_axis[k][0] = std::max((x - 1) / coarsest_, 0);
+    }
+    for (std::int32_t i = of_axis[0][0]; i <= of_axis[0][1]; ++i) {
+      for (std::int32_t j = of_axis[1][0]; j <= of_axis[1][1]; ++j) {
+        for (std::int32_t k = of_axis[2][0]; k <= of_axis[2][1]; ++k) {
+          visit((i * num_roots_ + j) * num_roots_ + k);
+        }
+      }
+    }
+  }
+  /// Copies an entry of another tree's cells_ with all below it.
+  std::int32_t copy(const CellTree& from, std::int32_t entry,
+                    const std::vector<std::int32_t>& leaves);
+
   std::int32_t reach_ = 0;
   std::int32_t coarsest_ = 1;
   /// The number of root cells along an axis.
@@ -159,6 +205,11 @@ class CellTree {
   /// Place.
   std::vector<std::int32_t> cells_;
   std::vector<Leaf> leaves_;
+  /// The numbers of the root cells of a sparse grid that exist, ascending.
+  std::vector<std::int32_t> present_;
+  /// The keys of the check-points that have a configuration, ascending; empty in a grid of cells of
+  /// side 1 that is not sparse, whose tree does not depend on them.
+  std::vector<Key> found_;
   /// The keys of the nodes, ascending.
   std::vector<Key> keys_;
 };

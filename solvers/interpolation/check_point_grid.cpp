@@ -2,7 +2,6 @@
 #include "interpolation/check_point_grid.h"
 
 #include <algorithm>
-#include <numeric>
 #include <string>
 
 #include "base/error.h"
@@ -43,11 +42,63 @@ CheckPointGrid::CheckPointGrid(const Grid& grid,
   if (grid.resolution > 1) spacing_ = grid.spacing();
   per_spacing_ = 1 / spacing_;
 
+  find_configurations(configurations);
+  is_empty_ = !any_usable_ && !(grid.sparse && reach_ > 0);
+  classify(grid, configurations, clearance, nullptr);
+}
+
+struct CheckPointGrid::Known {
+  const CheckPointGrid& before;
+  const CellTree::Growth& growth;
+  /// By node: the node before, −1: there was none; and whether its neighbourhood has changed.
+  std::vector<std::int32_t> node_before;
+  std::vector<char> is_anew;
+  /// By leaf: the leaf before, −1: its root cell was built anew.
+  std::vector<std::int32_t> leaf_before;
+
+  Known(const CheckPointGrid& grid, const CheckPointGrid& grid_before,
+        const CellTree::Growth& tree_growth)
+      : before(grid_before),
+        growth(tree_growth),
+        node_before(static_cast<std::size_t>(grid.num_nodes()), -1),
+        is_anew(node_before.size(), 0),
+        leaf_before(grid.tree().leaves().size(), -1) {
+    for (std::size_t n = 0; n < growth.nodes.size(); ++n) {
+      node_before[growth.nodes[n]] = static_cast<std::int32_t>(n);
+    }
+    for (const std::int32_t n : growth.nodes_anew) is_anew[n] = 1;
+    for (std::size_t l = 0; l < growth.leaves.size(); ++l) {
+      if (growth.leaves[l] >= 0) leaf_before[growth.leaves[l]] = static_cast<std::int32_t>(l);
+    }
+  }
+};
+
+CheckPointGrid::CheckPointGrid(const CheckPointGrid& before, const TouchToolSpace& tool_space,
+                               const std::vector<CheckPoint>& changed, CellTree::Growth& growth)
+    : tree_(before.tree_, tool_space.setup.grid, changed, tool_space.clearance, growth),
+      reach_(before.reach_),
+      spacing_(before.spacing_),
+      per_spacing_(before.per_spacing_),
+      origin_(before.origin_),
+      is_sparse_(before.is_sparse_),
+      outside_is_free_(before.outside_is_free_) {
+  find_configurations(tool_space.configurations);
+  is_empty_ = !any_usable_ && !(is_sparse_ && reach_ > 0);
+  const Known known(*this, before, growth);
+  classify(tool_space.setup.grid, tool_space.configurations, tool_space.clearance, &known);
+}
+
+void CheckPointGrid::find_configurations(const std::vector<ConfigurationSummary>& configurations) {
   configuration_.assign(static_cast<std::size_t>(num_nodes()), -1);
+  std::int32_t next = 0;
   for (std::size_t i = 0; i < configurations.size(); ++i) {
     const ConfigurationSummary& c = configurations[i];
-    const std::int32_t node = tree_.find(c.check_point);
-    if (node < 0 || !has_finite_data(c)) continue;
+    // They mostly come in the order of the nodes.
+    const bool is_next = next < num_nodes() && tree_.point(next) == c.check_point;
+    const std::int32_t node = is_next ? next : tree_.find(c.check_point);
+    if (node < 0) continue;
+    next = node + 1;
+    if (!has_finite_data(c)) continue;
     if (!((c.t - place(node)).norm() <= kOffCheckPoint * spacing_)) {
       throw InputError("A configuration does not lie at its check-point (" +
                        std::to_string(c.check_point[0]) + ", " + std::to_string(c.check_point[1]) +
@@ -57,31 +108,43 @@ CheckPointGrid::CheckPointGrid(const Grid& grid,
     if (configuration_[node] < 0) configuration_[node] = static_cast<std::int32_t>(i);
     any_usable_ = true;
   }
-  is_empty_ = !any_usable_ && !(grid.sparse && reach_ > 0);
-  find_free_nodes(configurations, clearance);
-  classify_leaves(configurations);
-  hanging_nodes_ = find_hanging_nodes(false);
-  hanging_on_complete_ = find_hanging_nodes(true);
-  find_free_leaves(grid, clearance);
+}
+
+void CheckPointGrid::classify(const Grid& grid,
+                              const std::vector<ConfigurationSummary>& configurations,
+                              const Clearance& clearance, const Known* known) {
+  for (std::int32_t n = 0; n < num_nodes(); ++n) {
+    const bool is_known = known != nullptr && known->is_anew[n] == 0;
+    const bool is_free = is_known ? known->before.is_free(known->node_before[n])
+                                  : find_free(n, configurations, clearance);
+    free_.push_back(is_free ? 1 : 0);
+  }
+  classify_leaves(configurations, known);
+  hanging_nodes_ = find_hanging_nodes(false, known);
+  hanging_on_complete_ = find_hanging_nodes(true, known);
+  find_free_leaves(grid, clearance, known);
   find_nearest();
 }
 
-void CheckPointGrid::find_free_nodes(const std::vector<ConfigurationSummary>& configurations,
-                                     const Clearance& clearance) {
-  for (std::int32_t n = 0; n < num_nodes(); ++n) {
-    const bool touches_nothing =
-        usable(n) && (configurations[configuration_[n]].flags & flags::touches_nothing) != 0;
-    free_.push_back(touches_nothing || (clearance && clearance(place(n)) > 0) ? 1 : 0);
-  }
+bool CheckPointGrid::find_free(std::int32_t node,
+                               const std::vector<ConfigurationSummary>& configurations,
+                               const Clearance& clearance) const {
+  const bool touches_nothing =
+      usable(node) && (configurations[configuration_[node]].flags & flags::touches_nothing) != 0;
+  return touches_nothing || (clearance && clearance(place(node)) > 0);
 }
 
-void CheckPointGrid::classify_leaves(const std::vector<ConfigurationSummary>& configurations) {
+void CheckPointGrid::classify_leaves(const std::vector<ConfigurationSummary>& configurations,
+                                     const Known* known) {
+  std::vector<char> marks(static_cast<std::size_t>(num_nodes()), 0);
+  for (std::int32_t n = 0; n < num_nodes(); ++n) {
+    if (usable(n)) marks[n] = (configurations[configuration_[n]].flags & kMarking) != 0 ? 1 : 0;
+  }
   for (const CellTree::Leaf& leaf : tree_.leaves()) {
     State state = State::complete;
     for (std::int32_t node : leaf.corners) {
       if (usable(node)) {
-        const bool marks = (configurations[configuration_[node]].flags & kMarking) != 0;
-        if (marks && state == State::complete) state = State::marked;
+        if (marks[node] != 0 && state == State::complete) state = State::marked;
         continue;
       }
       has_extrapolated_nodes_ = true;
@@ -91,16 +154,27 @@ void CheckPointGrid::classify_leaves(const std::vector<ConfigurationSummary>& co
     }
     states_.push_back(any_usable_ ? state : State::unknown);
   }
-  const std::vector<char> across = BranchTest(*this, configurations).leaves_across();
+  const BranchTest test(*this, configurations);
+  for (std::size_t l = 0; l < states_.size(); ++l) {
+    const std::int32_t before = known != nullptr ? known->leaf_before[l] : -1;
+    has_jump_.push_back(before >= 0 ? known->before.has_jump_[before]
+                                    : test.has_jump(leaf(static_cast<std::int32_t>(l)).cell));
+  }
+  const std::vector<char> across = test.leaves_across(has_jump_);
   for (std::size_t l = 0; l < across.size(); ++l) {
     if (across[l] != 0 && states_[l] == State::complete) states_[l] = State::across;
   }
 }
 
-void CheckPointGrid::find_free_leaves(const Grid& grid, const Clearance& clearance) {
+void CheckPointGrid::find_free_leaves(const Grid& grid, const Clearance& clearance,
+                                      const Known* known) {
   const auto& leaves = tree_.leaves();
   proved_free_.assign(leaves.size(), 0);
   for (std::size_t l = 0; l < leaves.size(); ++l) {
+    if (const std::int32_t before = known != nullptr ? known->leaf_before[l] : -1; before >= 0) {
+      proved_free_[l] = known->before.proved_free_[before];
+      continue;
+    }
     const auto& corners = leaves[l].corners;
     const bool may_be =
         std::all_of(corners.begin(), corners.end(), [&](std::int32_t n) { return is_free(n); });
@@ -110,34 +184,50 @@ void CheckPointGrid::find_free_leaves(const Grid& grid, const Clearance& clearan
   for (const HangingNode& hanging : hanging_nodes_) holder[hanging.node] = hanging.leaf;
   // A node hangs on a leaf that is larger than those it is a corner of, so the larger leaves go
   // first.
-  std::vector<std::int32_t> by_size(leaves.size());
-  std::iota(by_size.begin(), by_size.end(), 0);
-  std::stable_sort(by_size.begin(), by_size.end(), [&](std::int32_t a, std::int32_t b) {
-    return leaves[a].cell.side > leaves[b].cell.side;
-  });
-  for (std::int32_t l : by_size) {
-    const auto& corners = leaves[l].corners;
-    const bool zero = std::all_of(corners.begin(), corners.end(), [&](std::int32_t n) {
-      return holder[n] < 0 || is_zero(holder[n]);
-    });
-    if (zero && is_proved_free(l)) states_[l] = State::zero;
+  for (std::int32_t side = tree_.coarsest(); side > 0; side /= 2) {
+    for (std::size_t l = 0; l < leaves.size(); ++l) {
+      if (leaves[l].cell.side != side || proved_free_[l] == 0) continue;
+      const auto& corners = leaves[l].corners;
+      const bool zero = std::all_of(corners.begin(), corners.end(), [&](std::int32_t n) {
+        return holder[n] < 0 || is_zero(holder[n]);
+      });
+      if (zero) states_[l] = State::zero;
+    }
   }
 }
 
+std::int32_t CheckPointGrid::find_holder(std::int32_t node, bool on_complete) const {
+  std::int32_t holder = -1;
+  tree_.for_each_leaf_around(tree_.point(node), [&](std::int32_t l) {
+    const auto& corners = leaf(l).corners;
+    const bool larger = holder < 0 || leaf(l).cell.side > leaf(holder).cell.side;
+    const bool hangs = std::find(corners.begin(), corners.end(), node) == corners.end();
+    if (larger && hangs && (!on_complete || is_complete(l))) holder = l;
+  });
+  return holder;
+}
+
 std::vector<CheckPointGrid::HangingNode> CheckPointGrid::find_hanging_nodes(
-    bool on_complete) const {
+    bool on_complete, const Known* known) const {
+  std::vector<std::int32_t> holder_before;
+  if (known != nullptr) {
+    holder_before.assign(static_cast<std::size_t>(known->before.num_nodes()), -1);
+    const auto& before =
+        on_complete ? known->before.hanging_on_complete_ : known->before.hanging_nodes_;
+    for (const HangingNode& hanging : before) holder_before[hanging.node] = hanging.leaf;
+  }
   std::vector<HangingNode> nodes;
   for (std::int32_t n = 0; n < num_nodes(); ++n) {
     if (on_complete && !usable(n)) continue;
-    const CheckPoint p = tree_.point(n);
     std::int32_t holder = -1;
-    tree_.for_each_leaf_around(p, [&](std::int32_t l) {
-      const auto& corners = leaf(l).corners;
-      const bool larger = holder < 0 || leaf(l).cell.side > leaf(holder).cell.side;
-      const bool hangs = std::find(corners.begin(), corners.end(), n) == corners.end();
-      if (larger && hangs && (!on_complete || is_complete(l))) holder = l;
-    });
+    if (known != nullptr && known->is_anew[n] == 0) {
+      const std::int32_t before = holder_before[known->node_before[n]];
+      if (before >= 0) holder = known->growth.leaves[before];
+    } else {
+      holder = find_holder(n, on_complete);
+    }
     if (holder < 0) continue;
+    const CheckPoint p = tree_.point(n);
     const Cell& cell = leaf(holder).cell;
     HangingNode& hanging = nodes.emplace_back();
     hanging.node = n;
@@ -161,13 +251,27 @@ void CheckPointGrid::find_nearest() {
   const auto distance2 = [&](std::int32_t a, std::int32_t b) {
     return squared_distance(tree_.point(a), tree_.point(b));
   };
-  std::vector<std::int32_t> changed;
   for (std::int32_t n = 0; n < num_nodes(); ++n) {
-    if (!usable(n)) continue;
-    nearest_[n] = n;
-    changed.push_back(n);
+    if (usable(n)) nearest_[n] = n;
   }
-  if (changed.size() == nearest_.size()) return;
+  // At first, only corners of leaves that lack a usable corner, and nodes on the sides of leaves,
+  // can have something to pass on.
+  std::vector<char> passes_on(nearest_.size(), 0);
+  for (const CellTree::Leaf& leaf : tree_.leaves()) {
+    const auto& corners = leaf.corners;
+    if (std::all_of(corners.begin(), corners.end(), [&](std::int32_t n) { return usable(n); })) {
+      continue;
+    }
+    for (const std::int32_t n : corners) passes_on[n] = 1;
+  }
+  for (const HangingNode& hanging : hanging_nodes_) passes_on[hanging.node] = 1;
+  std::vector<std::int32_t> changed;
+  bool are_all_usable = true;
+  for (std::int32_t n = 0; n < num_nodes(); ++n) {
+    are_all_usable = are_all_usable && usable(n);
+    if (usable(n) && passes_on[n] != 0) changed.push_back(n);
+  }
+  if (are_all_usable) return;
   while (!changed.empty()) {
     std::vector<std::int32_t> next;
     for (std::int32_t n : changed) {

@@ -44,6 +44,13 @@ class CheckPointGrid {
   CheckPointGrid(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
                  const Clearance& clearance = {});
   explicit CheckPointGrid(const TouchToolSpace& tool_space);
+  /// The grid of a tool space that has taken further configurations, as it is if it is made of all
+  /// of them, but for the order of the leaves. What depends on the neighbourhood of a node or a
+  /// leaf is found anew only in root cells with a change, and at their borders.
+  /// @param before The grid before that.
+  /// @param changed The check-points of these configurations.
+  CheckPointGrid(const CheckPointGrid& before, const TouchToolSpace& tool_space,
+                 const std::vector<CheckPoint>& changed, CellTree::Growth& growth);
 
   enum class Place {
     /// No configuration is usable, or t is not finite.
@@ -154,11 +161,23 @@ class CheckPointGrid {
   /// rounding of t = i·H must not put a check-point of the border outside.
   static constexpr double kOnBorder = 1e-9;
 
-  void find_free_nodes(const std::vector<ConfigurationSummary>& configurations,
-                       const Clearance& clearance);
-  void classify_leaves(const std::vector<ConfigurationSummary>& configurations);
-  void find_free_leaves(const Grid& grid, const Clearance& clearance);
-  [[nodiscard]] std::vector<HangingNode> find_hanging_nodes(bool on_complete) const;
+  /// Of a grid that grows: what is known from before.
+  struct Known;
+
+  /// @throws InputError a configuration does not lie at its check-point.
+  void find_configurations(const std::vector<ConfigurationSummary>& configurations);
+  [[nodiscard]] bool find_free(std::int32_t node,
+                               const std::vector<ConfigurationSummary>& configurations,
+                               const Clearance& clearance) const;
+  /// @param known Null: nothing is known.
+  void classify(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
+                const Clearance& clearance, const Known* known);
+  void classify_leaves(const std::vector<ConfigurationSummary>& configurations, const Known* known);
+  void find_free_leaves(const Grid& grid, const Clearance& clearance, const Known* known);
+  [[nodiscard]] std::vector<HangingNode> find_hanging_nodes(bool on_complete,
+                                                            const Known* known) const;
+  /// The leaf that a node hangs on; −1: none.
+  [[nodiscard]] std::int32_t find_holder(std::int32_t node, bool on_complete) const;
   void find_nearest();
 
   CellTree tree_;
@@ -178,6 +197,8 @@ class CheckPointGrid {
   std::vector<char> free_;
   /// By leaf.
   std::vector<State> states_;
+  /// By leaf: whether the energy jumps within it, see BranchTest::has_jump().
+  std::vector<char> has_jump_;
   /// Whether a leaf is proved free, by leaf.
   std::vector<char> proved_free_;
   std::vector<HangingNode> hanging_nodes_;

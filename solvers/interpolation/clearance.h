@@ -35,4 +35,8 @@ class ClearanceProbe {
   double value_;
 };
 
+/// The same clearance, which remembers its answers: the grid of a space that grows asks for the
+/// same places with each chunk. Several threads may ask at the same time.
+[[nodiscard]] Clearance remembering(Clearance clearance);
+
 }  // namespace palpate

@@ -7,9 +7,23 @@ namespace palpate {
 
 EnergyHermite::EnergyHermite(const TouchToolSpace& tool_space, const InterpolationOptions& options)
     : Interpolator(tool_space), per_spacing_(1 / grid().spacing()), kernel_(best_hermite_kernel()) {
-  HermiteDataOptions of_data;
-  of_data.third_derivatives = options.third_derivatives;
-  nodes_ = hermite_data(grid(), tool_space.configurations, of_data);
+  data_options_.third_derivatives = options.third_derivatives;
+  nodes_ = hermite_data(grid(), tool_space.configurations, data_options_);
+}
+
+EnergyHermite::EnergyHermite(const EnergyHermite& before, const TouchToolSpace& tool_space,
+                             const std::vector<CheckPoint>& changed, CellTree::Growth&& growth)
+    : Interpolator(before, tool_space, changed, growth),
+      data_options_(before.data_options_),
+      per_spacing_(1 / grid().spacing()),
+      kernel_(before.kernel_) {
+  const HermiteBefore data_before{growth, before.nodes_, before.memory_};
+  nodes_ = hermite_data(grid(), tool_space.configurations, data_options_, &data_before, &memory_);
+}
+
+std::unique_ptr<Interpolator> EnergyHermite::grown(const TouchToolSpace& tool_space,
+                                                   const std::vector<CheckPoint>& changed) const {
+  return std::unique_ptr<Interpolator>(new EnergyHermite(*this, tool_space, changed, {}));
 }
 
 void EnergyHermite::do_evaluate(const Location& at, TouchResult& result) const noexcept {

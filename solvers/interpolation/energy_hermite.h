@@ -12,9 +12,11 @@
 // loop is zero.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "interpolation/hermite_cell.h"
+#include "interpolation/hermite_data.h"
 #include "interpolation/interpolator.h"
 
 namespace palpate {
@@ -23,14 +25,24 @@ class EnergyHermite final : public Interpolator {
  public:
   EnergyHermite(const TouchToolSpace& tool_space, const InterpolationOptions& options);
 
+  [[nodiscard]] std::unique_ptr<Interpolator> grown(
+      const TouchToolSpace& tool_space, const std::vector<CheckPoint>& changed) const override;
+
  private:
+  /// @param growth Filled in while the base is made.
+  EnergyHermite(const EnergyHermite& before, const TouchToolSpace& tool_space,
+                const std::vector<CheckPoint>& changed, CellTree::Growth&& growth);
+
   void do_evaluate(const Location& at, TouchResult& result) const noexcept override;
   void do_add_memory(MemoryRanges& ranges) const override {
     ranges.push_back({this, sizeof *this});
     palpate::add_memory(nodes_, ranges);
   }
 
+  HermiteDataOptions data_options_;
   std::vector<HermiteNode> nodes_;
+  /// What the next one needs that grows from this; empty where none has grown yet.
+  HermiteMemory memory_;
   double per_spacing_;
   HermiteKernel kernel_;
 };

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 #include "interpolation/extrapolated_node.h"
 
@@ -70,8 +72,9 @@ void fill_weights(const double* x, int n, int p, double* weights) {
 /// larger leaf is continued into it by inserted points, at which the leaf gives the data.
 class StencilFinder {
  public:
+  /// @param growth Of a grid that has grown; null: all of it is new.
   StencilFinder(const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,
-                const HermiteDataOptions& options)
+                const HermiteDataOptions& options, const CellTree::Growth* growth)
       : grid_(grid),
         links_(find_links(grid)),
         most_(options.most),
@@ -80,17 +83,33 @@ class StencilFinder {
       marked_.push_back(grid.usable(n) &&
                         (configurations[grid.configuration(n)].flags & kMarking) != 0);
     }
+    const char all = growth == nullptr ? 1 : 0;
+    is_anew_.assign(static_cast<std::size_t>(grid.num_nodes()), all);
+    is_leaf_anew_.assign(grid.tree().leaves().size(), 1);
+    if (growth == nullptr) return;
+    for (const std::int32_t n : growth->nodes_anew) is_anew_[n] = 1;
+    for (const std::int32_t l : growth->leaves) {
+      if (l >= 0) is_leaf_anew_[l] = 0;
+    }
   }
+
+  /// Whether the neighbourhood of a node has changed.
+  [[nodiscard]] bool is_anew(std::int32_t node) const { return is_anew_[node] != 0; }
+  /// Whether find() has met a node or a leaf that has changed, since begin() was called.
+  [[nodiscard]] bool has_met_change() const { return has_met_change_; }
+  void begin() { has_met_change_ = false; }
 
   [[nodiscard]] Stencil find(std::int32_t node, int axis, bool with_inserted) {
     Row row;
     row.nodes[kMiddle] = node;
+    has_met_change_ = has_met_change_ || is_anew(node);
     const CheckPoint origin = grid_.tree().point(node);
     std::array<bool, 2> ends_in_leaf{};
     for (int up = 0; up < 2; ++up) {
       for (std::int32_t n = node; row.count[up] + 1 < most_;) {
         n = links_[n][axis][up];
         ends_in_leaf[up] = n < 0;
+        has_met_change_ = has_met_change_ || (n >= 0 && is_anew(n));
         if (n < 0 || !grid_.usable(n) || (marked_[n] && !marked_[node])) break;
         row.add(up, n, grid_.tree().point(n)[axis] - origin[axis]);
       }
@@ -108,8 +127,14 @@ class StencilFinder {
     return best_of(row);
   }
 
-  /// The places of the inserted points, which are numbered after the nodes.
-  [[nodiscard]] const std::vector<CellTree::Place>& inserted() const { return inserted_; }
+  struct Inserted {
+    CheckPoint check_point{};
+    CellTree::Place place;
+    /// The leaf has changed.
+    bool is_anew = false;
+  };
+  /// The inserted points, which are numbered after the nodes. A point may be there several times.
+  [[nodiscard]] const std::vector<Inserted>& inserted() const { return inserted_; }
 
  private:
   static constexpr int kMiddle = kStencil - 1;
@@ -162,15 +187,21 @@ class StencilFinder {
   /// The node at a point, or a new inserted one; −1: no usable node and no complete leaf is there.
   [[nodiscard]] std::int32_t find_inserted(const CheckPoint& p) {
     const std::int32_t node = grid_.tree().find(p);
-    if (node >= 0) return grid_.usable(node) ? node : -1;
+    if (node >= 0) {
+      has_met_change_ = has_met_change_ || is_anew(node);
+      return grid_.usable(node) ? node : -1;
+    }
     const std::int32_t reach = grid_.reach();
     if (std::any_of(p.begin(), p.end(), [&](std::int32_t x) { return std::abs(x) > reach; })) {
       return -1;
     }
     const CellTree::Place place =
         grid_.tree().locate(Vec3(p[0] + reach, p[1] + reach, p[2] + reach));
-    if (place.leaf >= CellTree::kFree || !grid_.is_complete(place.leaf)) return -1;
-    inserted_.push_back(place);
+    if (place.leaf >= CellTree::kFree) return -1;
+    const bool is_leaf_anew = is_leaf_anew_[place.leaf] != 0;
+    has_met_change_ = has_met_change_ || is_leaf_anew;
+    if (!grid_.is_complete(place.leaf)) return -1;
+    inserted_.push_back({p, place, is_leaf_anew});
     return grid_.num_nodes() + static_cast<std::int32_t>(inserted_.size()) - 1;
   }
 
@@ -180,7 +211,10 @@ class StencilFinder {
   std::vector<bool> marked_;
   const int most_;
   const bool fewer_in_short_rows_;
-  std::vector<CellTree::Place> inserted_;
+  std::vector<Inserted> inserted_;
+  std::vector<char> is_anew_;
+  std::vector<char> is_leaf_anew_;
+  bool has_met_change_ = false;
 };
 
 void fill_known(const NodeData& node, double h, double* d) {
@@ -212,17 +246,51 @@ struct Incomplete {
   /// Derivatives with a + b + c up to this are known.
   int known = 2;
   std::array<Stencil, 3> stencils;
+  /// A stencil may be another one than before.
+  bool is_anew = true;
 };
 
-void fill_missing(const std::vector<Incomplete>& nodes, std::vector<HermiteNode>& data) {
-  for (int total = 3; total <= 6; ++total) {
-    for (int a = 0; a <= 2; ++a) {
-      for (int b = 0; b <= 2; ++b) {
-        const int c = total - a - b;
-        if (c < 0 || c > 2) continue;
-        const Order order{a, b, c};
-        for (const Incomplete& to_fill : nodes) {
-          if (total <= to_fill.known) continue;
+constexpr int total_of(int entry) { return entry / 9 + entry / 3 % 3 + entry % 3; }
+constexpr int kMostTotal = 6;
+constexpr unsigned kAllTotals = ~0U;
+
+/// What has changed of the data at a node: bit t stands for the derivatives with a + b + c = t.
+unsigned changes(const HermiteNode& a, const HermiteNode& b) {
+  unsigned mask = 0;
+  for (int entry = 0; entry < 27; ++entry) {
+    // The bits count: 0 and −0 differ.
+    if (std::memcmp(a.of + entry, b.of + entry, sizeof(double)) != 0) mask |= 1U << total_of(entry);
+  }
+  return mask;
+}
+
+/// Fills in the missing derivatives of a grid, from the lower ones at other nodes. Where nothing
+/// that they depend on has changed, they stay as they are: those before.
+/// @param changed What has changed at each node and inserted point; the missing totals are added.
+/// @param before By node, its data before; null: there are none.
+void fill_missing(const std::vector<Incomplete>& nodes,
+                  const std::vector<const HermiteNode*>& before, std::vector<unsigned>& changed,
+                  std::vector<HermiteNode>& data) {
+  for (int total = 3; total <= kMostTotal; ++total) {
+    const unsigned lower_bit = 1U << (total - 1);
+    for (const Incomplete& to_fill : nodes) {
+      if (total <= to_fill.known) continue;
+      const HermiteNode* old = before[to_fill.node];
+      bool is_anew = to_fill.is_anew || old == nullptr;
+      for (const Stencil& stencil : to_fill.stencils) {
+        for (int j = 0; j < stencil.size && stencil.size > 1 && !is_anew; ++j) {
+          is_anew = (changed[stencil.nodes[j]] & lower_bit) != 0;
+        }
+      }
+      if (!is_anew) continue;
+      bool has_changed = false;
+      for (int a = 0; a <= 2; ++a) {
+        for (int b = 0; b <= 2; ++b) {
+          const int c = total - a - b;
+          if (c < 0 || c > 2) continue;
+          const int index = hermite_index(a, b, c);
+          double& entry = data[to_fill.node].of[index];
+          const Order order{a, b, c};
           double sum = 0;
           int num_axes = 0;
           for (int axis = 0; axis < 3; ++axis) {
@@ -230,60 +298,131 @@ void fill_missing(const std::vector<Incomplete>& nodes, std::vector<HermiteNode>
             if (order[axis] == 0 || stencil.size == 1) continue;
             Order lower = order;
             --lower[axis];
-            const int entry = hermite_index(lower[0], lower[1], lower[2]);
+            const int of_lower = hermite_index(lower[0], lower[1], lower[2]);
             for (int j = 0; j < stencil.size; ++j) {
-              sum += stencil.weights[j] * data[stencil.nodes[j]].of[entry];
+              sum += stencil.weights[j] * data[stencil.nodes[j]].of[of_lower];
             }
             ++num_axes;
           }
-          if (num_axes > 0) data[to_fill.node].of[hermite_index(a, b, c)] = sum / num_axes;
+          entry = num_axes > 0 ? sum / num_axes : 0;
+          has_changed = has_changed || old == nullptr ||
+                        std::memcmp(&entry, old->of + index, sizeof entry) != 0;
         }
       }
+      if (has_changed) changed[to_fill.node] |= 1U << total;
     }
   }
+}
+
+/// By node, its data before; null: there are none.
+std::vector<const HermiteNode*> data_before(std::size_t num_nodes, const HermiteBefore* before,
+                                            const std::vector<HermiteNode>* data) {
+  std::vector<const HermiteNode*> of_node(num_nodes, nullptr);
+  if (before == nullptr || data->size() != before->growth.nodes.size()) return of_node;
+  for (std::size_t n = 0; n < data->size(); ++n) {
+    of_node[before->growth.nodes[n]] = data->data() + n;
+  }
+  return of_node;
 }
 
 }  // namespace
 
 std::vector<HermiteNode> hermite_data(const CheckPointGrid& grid,
                                       const std::vector<ConfigurationSummary>& configurations,
-                                      const HermiteDataOptions& options) {
+                                      const HermiteDataOptions& options,
+                                      const HermiteBefore* before, HermiteMemory* memory) {
   const auto num_nodes = static_cast<std::size_t>(grid.num_nodes());
   std::vector<HermiteNode> data(num_nodes);
+  if (memory != nullptr) *memory = {};
   if (!grid.any_usable()) return data;
-  StencilFinder finder(grid, configurations, options);
+  const auto first = data_before(num_nodes, before, before ? &before->memory.first : nullptr);
+  StencilFinder finder(grid, configurations, options, before ? &before->growth : nullptr);
+  std::vector<unsigned> changed(num_nodes, kAllTotals);
   std::vector<Incomplete> nodes;
   for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
-    if (grid.is_free(n) || (!grid.usable(n) && !options.extrapolated_nodes)) continue;
-    const NodeData known = node_data(grid, configurations, n, options.third_derivatives);
-    fill_known(known, grid.spacing(), data[n].of);
-    if (!grid.usable(n)) continue;
-    Incomplete& node = nodes.emplace_back();
-    node.node = n;
-    node.known = known.has_third_derivative() ? 3 : 2;
-    for (int axis = 0; axis < 3; ++axis) node.stencils[axis] = finder.find(n, axis, false);
+    if (!grid.is_free(n) && (grid.usable(n) || options.extrapolated_nodes)) {
+      const NodeData known = node_data(grid, configurations, n, options.third_derivatives);
+      if (grid.usable(n) && first[n] != nullptr) data[n] = *first[n];
+      fill_known(known, grid.spacing(), data[n].of);
+      if (grid.usable(n)) {
+        Incomplete& node = nodes.emplace_back();
+        node.node = n;
+        node.known = known.has_third_derivative() ? 3 : 2;
+        finder.begin();
+        for (int axis = 0; axis < 3; ++axis) node.stencils[axis] = finder.find(n, axis, false);
+        node.is_anew = finder.has_met_change();
+      }
+    }
+    if (first[n] == nullptr) continue;
+    changed[n] = changes(data[n], *first[n]);
+    // What is missing is compared when it is filled in.
+    if (!nodes.empty() && nodes.back().node == n) changed[n] &= (2U << nodes.back().known) - 1;
   }
-  fill_missing(nodes, data);
+  std::vector<unsigned> of_second = changed;
+  fill_missing(nodes, first, changed, data);
+  if (memory != nullptr) memory->first = data;
 
   // Do it once more with inserted points, whose data follow from the present ones.
   for (Incomplete& node : nodes) {
+    finder.begin();
     for (int axis = 0; axis < 3; ++axis) {
       Stencil& stencil = node.stencils[axis];
       if (stencil.size < options.most) stencil = finder.find(node.node, axis, true);
     }
+    node.is_anew = node.is_anew || finder.has_met_change();
   }
-  if (!finder.inserted().empty()) {
-    for (const CellTree::Place& place : finder.inserted()) {
-      data.push_back(hermite_node_at(data.data(), grid.leaf(place.leaf), place.s));
+  const bool has_inserted = !finder.inserted().empty();
+  const bool had_inserted = before != nullptr && !before->memory.inserted.empty();
+  const auto second = data_before(num_nodes, has_inserted == had_inserted ? before : nullptr,
+                                  before ? &before->memory.second : nullptr);
+  if (has_inserted) {
+    std::map<CheckPoint, HermiteNode> inserted;
+    for (const StencilFinder::Inserted& point : finder.inserted()) {
+      const CellTree::Leaf& leaf = grid.leaf(point.place.leaf);
+      const auto [here, is_new] = inserted.try_emplace(point.check_point);
+      const auto old = had_inserted ? before->memory.inserted.find(point.check_point)
+                                    : std::map<CheckPoint, HermiteNode>::const_iterator();
+      const bool is_known = had_inserted && old != before->memory.inserted.end();
+      if (is_new) {
+        const bool is_same = is_known && !point.is_anew &&
+                             std::all_of(leaf.corners.begin(), leaf.corners.end(),
+                                         [&](std::int32_t corner) { return changed[corner] == 0; });
+        here->second = is_same ? old->second : hermite_node_at(data.data(), leaf, point.place.s);
+      }
+      of_second.push_back(is_known ? changes(here->second, old->second) : kAllTotals);
     }
-    fill_missing(nodes, data);
+    // After the loop: the leaves have the data of nodes alone.
+    for (const StencilFinder::Inserted& point : finder.inserted()) {
+      data.push_back(inserted.at(point.check_point));
+    }
+    for (const Incomplete& node : nodes) {
+      if (second[node.node] == nullptr) continue;
+      const HermiteNode known = std::exchange(data[node.node], *second[node.node]);
+      for (int entry = 0; entry < 27; ++entry) {
+        if (total_of(entry) <= node.known) data[node.node].of[entry] = known.of[entry];
+      }
+    }
+    fill_missing(nodes, second, of_second, data);
     data.resize(num_nodes);
+    if (memory != nullptr) memory->inserted = std::move(inserted);
+  } else {
+    for (std::size_t n = 0; n < num_nodes; ++n) {
+      of_second[n] = second[n] != nullptr ? changes(data[n], *second[n]) : kAllTotals;
+    }
   }
+  if (memory != nullptr) memory->second = data;
 
+  const auto final = data_before(num_nodes, before, before ? &before->data : nullptr);
   const auto& hanging_nodes =
       options.extrapolated_nodes ? grid.hanging_nodes() : grid.hanging_on_complete();
   for (const CheckPointGrid::HangingNode& hanging : hanging_nodes) {
-    data[hanging.node] = hermite_node_at(data.data(), grid.leaf(hanging.leaf), hanging.s);
+    const CellTree::Leaf& leaf = grid.leaf(hanging.leaf);
+    const HermiteNode* old = final[hanging.node];
+    const bool is_same = old != nullptr && !finder.is_anew(hanging.node) &&
+                         std::all_of(leaf.corners.begin(), leaf.corners.end(),
+                                     [&](std::int32_t corner) { return of_second[corner] == 0; });
+    data[hanging.node] = is_same ? *old : hermite_node_at(data.data(), leaf, hanging.s);
+    of_second[hanging.node] = old != nullptr ? changes(data[hanging.node], *old) : kAllTotals;
   }
   return data;
 }

@@ -27,6 +27,7 @@
 // are replaced by those that the larger leaf gives there.
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "interpolation/check_point_grid.h"
@@ -48,9 +49,30 @@ struct HermiteDataOptions {
   bool extrapolated_nodes = true;
 };
 
+/// What is kept of the data of a grid, so that the data of a grid that has grown from it are found
+/// without computing again what has not changed.
+struct HermiteMemory {
+  /// D without and with inserted points, before hanging nodes take those of leaves [num_nodes].
+  std::vector<HermiteNode> first;
+  std::vector<HermiteNode> second;
+  /// D at the inserted points.
+  std::map<CheckPoint, HermiteNode> inserted;
+};
+
+/// A grid before it has grown.
+struct HermiteBefore {
+  const CellTree::Growth& growth;
+  const std::vector<HermiteNode>& data;
+  const HermiteMemory& memory;
+};
+
 /// D [num_nodes]; all zero if no node is usable.
+/// @param before What is known from the grid before, with the same options; null: nothing. The data
+///   are the same to the bit.
+/// @param memory Receives what a grid that grows from this needs; null: none does.
 [[nodiscard]] std::vector<HermiteNode> hermite_data(
     const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,
-    const HermiteDataOptions& options = {});
+    const HermiteDataOptions& options = {}, const HermiteBefore* before = nullptr,
+    HermiteMemory* memory = nullptr);
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/error.h"
 #include "interpolation/energy_hermite.h"
@@ -54,11 +55,23 @@ Interpolator::Interpolator(const TouchToolSpace& tool_space)
     : grid_(tool_space),
       force_limit_(tool_space.setup.policy.force_limit),
       largest_force_(std::numeric_limits<double>::infinity()) {
+  take_samples(tool_space.configurations);
+}
+
+Interpolator::Interpolator(const Interpolator& before, const TouchToolSpace& tool_space,
+                           const std::vector<CheckPoint>& changed, CellTree::Growth& growth)
+    : grid_(before.grid_, tool_space, changed, growth),
+      force_limit_(tool_space.setup.policy.force_limit),
+      largest_force_(std::numeric_limits<double>::infinity()) {
+  take_samples(tool_space.configurations);
+}
+
+void Interpolator::take_samples(const std::vector<ConfigurationSummary>& configurations) {
   double largest = 0;
   for (std::int32_t n = 0; n < grid_.num_nodes(); ++n) {
     if (!grid_.usable(n)) continue;
     ++num_samples_;
-    const ConfigurationSummary& c = tool_space.configurations[grid_.configuration(n)];
+    const ConfigurationSummary& c = configurations[grid_.configuration(n)];
     largest = std::max(largest, c.force.norm());
     if (grid_.reach() == 0) rest_ = {c.force, c.stiffness, c.energy, Support::extrapolated};
   }
@@ -127,6 +140,15 @@ std::unique_ptr<Interpolator> make_interpolator(Method method, const TouchToolSp
   }
   throw InputError("There is no interpolation with the number " +
                    std::to_string(static_cast<int>(method)) + ". There are " + names + '.');
+}
+
+std::unique_ptr<Interpolator> make_interpolator(Method method, const TouchToolSpace& tool_space,
+                                                const InterpolationOptions& options,
+                                                const Interpolator* before,
+                                                const std::vector<CheckPoint>& changed) {
+  std::unique_ptr<Interpolator> grown;
+  if (before != nullptr) grown = before->grown(tool_space, changed);
+  return grown != nullptr ? std::move(grown) : make_interpolator(method, tool_space, options);
 }
 
 }  // namespace palpate

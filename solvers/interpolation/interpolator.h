@@ -103,6 +103,15 @@ class Interpolator {
     return grid_.leaf(at.leaf).cell.side * grid_.spacing();
   }
 
+  /// The interpolator of the same tool space with the same options after it has taken further
+  /// configurations. What it answers is the same, to the bit, as if it were made anew.
+  /// @param changed The check-points of these configurations.
+  /// @returns null: the method takes no less time to grow than to be made anew.
+  [[nodiscard]] virtual std::unique_ptr<Interpolator> grown(
+      const TouchToolSpace& /*tool_space*/, const std::vector<CheckPoint>& /*changed*/) const {
+    return nullptr;
+  }
+
   /// Adds the memory that evaluate() needs.
   void add_memory(MemoryRanges& ranges) const {
     grid_.add_memory(ranges);
@@ -119,6 +128,9 @@ class Interpolator {
 
  protected:
   explicit Interpolator(const TouchToolSpace& tool_space);
+  /// @param before The interpolator before the tool space has taken further configurations.
+  Interpolator(const Interpolator& before, const TouchToolSpace& tool_space,
+               const std::vector<CheckPoint>& changed, CellTree::Growth& growth);
   void set_num_samples(std::size_t num) { num_samples_ = num; }
   /// Call this in a method that uses no extrapolated nodes: the force is h + kΔ from rest, and is
   /// not limited because of missing nodes.
@@ -132,6 +144,8 @@ class Interpolator {
   virtual void do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept;
   /// Adds the memory of the derived object, the object itself included.
   virtual void do_add_memory(MemoryRanges& ranges) const = 0;
+
+  void take_samples(const std::vector<ConfigurationSummary>& configurations);
 
   CheckPointGrid grid_;
   double force_limit_;
@@ -147,5 +161,13 @@ class Interpolator {
 ///   one (tricubic); it has no usable configuration at rest (linear); there is no such method.
 [[nodiscard]] std::unique_ptr<Interpolator> make_interpolator(
     Method method, const TouchToolSpace& tool_space, const InterpolationOptions& options = {});
+
+/// The same, for a tool space that has taken further configurations.
+/// @param before The interpolator before that, with the same method and options; null: there is
+///   none.
+/// @param changed The check-points of these configurations.
+[[nodiscard]] std::unique_ptr<Interpolator> make_interpolator(
+    Method method, const TouchToolSpace& tool_space, const InterpolationOptions& options,
+    const Interpolator* before, const std::vector<CheckPoint>& changed);
 
 }  // namespace palpate

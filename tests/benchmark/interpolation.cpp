@@ -10,10 +10,12 @@
 //     --benchmark_enable_random_interleaving=true --benchmark_report_aggregates_only=true
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
 #include "base/simd.h"
+#include "interpolation/clearance.h"
 #include "interpolation/display_field.h"
 #include "interpolation/error_estimate.h"
 #include "interpolation/interpolator.h"
@@ -190,6 +192,36 @@ void estimate(benchmark::State& state) {
   state.counters["configurations"] = static_cast<double>(tool_space.configurations.size());
 }
 BENCHMARK(estimate)->Unit(benchmark::kMillisecond);
+
+/// What a body takes that the space grows under: a chunk of 50 configurations near a hand, into the
+/// space that has all others, beside making the interpolator of all anew.
+/// @param grows Whether the interpolator grows.
+void take_chunk(benchmark::State& state, bool grows) {
+  TouchToolSpace tool_space = whole_body();
+  tool_space.clearance = remembering(tool_space.clearance);
+  std::vector<ConfigurationSummary>& all = tool_space.configurations;
+  const Vec3 hand(0.03, 0.02, 0.02);
+  std::nth_element(all.begin(), all.begin() + 50, all.end(), [&](const auto& a, const auto& b) {
+    return (a.t - hand).squaredNorm() < (b.t - hand).squaredNorm();
+  });
+  std::vector<CheckPoint> changed;
+  for (int i = 0; i < 50; ++i) changed.push_back(all[static_cast<std::size_t>(i)].check_point);
+  const std::vector<ConfigurationSummary> chunk(all.begin(), all.begin() + 50);
+  all.erase(all.begin(), all.begin() + 50);
+  std::sort(all.begin(), all.end());
+  const auto first = make_interpolator(Method::energy_hermite, tool_space);
+  // One that has grown before knows what it needs to grow.
+  const auto before = first->grown(tool_space, {});
+  all.insert(all.end(), chunk.begin(), chunk.end());
+  std::sort(all.begin(), all.end());
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(make_interpolator(Method::energy_hermite, tool_space, {},
+                                               grows ? before.get() : nullptr, changed));
+  }
+  state.counters["configurations"] = static_cast<double>(all.size());
+}
+BENCHMARK_CAPTURE(take_chunk, anew, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(take_chunk, grown, true)->Unit(benchmark::kMillisecond);
 
 /// The system of the radial functions; the rest of the set-up is small.
 void set_up(benchmark::State& state, Method method) {

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -203,6 +205,55 @@ TEST(SimulatedEngine, GoesOnWithWhatIsLeftOfAnEarlierRun) {
     const Replay resumed = test::replay(recordings, setups, ranks, options);
     EXPECT_EQ(resumed.report.num_reused, 20 * 200);
     EXPECT_EQ(resumed.report.num_solved, 20 * 143);
+  }
+}
+
+TEST(SimulatedEngine, FindsTheSameWhoeverSteersIt) {
+  const auto recordings = make_recordings();
+  const auto setups = make_tool_spaces(5);
+  ReplayOptions options;
+  options.machine.jitter = 20e-3;
+  // Every tenth task of a rank, to another place of another tool space.
+  options.steer = [&](int rank, int task) -> std::optional<Steering> {
+    if (task % 10 != 0) return std::nullopt;
+    const double angle = task + rank;
+    const Vec3 goal = 0.01 * Vec3(std::sin(angle), std::cos(angle), std::sin(2 * angle));
+    return Steering{{{(task / 10) % 5, {goal}, {}}}};
+  };
+  for (const int ranks : {1, 2, 3, 64}) {
+    const Replay found = test::replay(recordings, setups, ranks, options);
+    EXPECT_TRUE(found.report.complete);
+    EXPECT_EQ(found.report.num_solved, 5 * 343);
+  }
+}
+
+TEST(SimulatedEngine, LeavesOutWhatIsWithdrawnUntilItIsAskedForAgain) {
+  const auto recordings = make_recordings();
+  const auto setups = make_tool_spaces(5);
+  const Steering without_half{{{2, {}, {{{1, -3, -3}, {3, 3, 3}}}}}};
+  ReplayOptions options;
+  options.machine.jitter = 20e-3;
+  for (const int ranks : {1, 2, 3, 64}) {
+    // The first rank that works at all.
+    bool has_steered = false;
+    options.steer = [&](int /*rank*/, int task) -> std::optional<Steering> {
+      if (task > 1 || std::exchange(has_steered, true)) return std::nullopt;
+      return without_half;
+    };
+    const Replay part = test::replay(recordings, setups, ranks, options);
+    // A rank that has not heard yet may make some.
+    EXPECT_GE(part.report.num_solved, 4 * 343 + 4 * 49);
+    EXPECT_LT(part.report.num_solved, 4 * 343 + (ranks == 1 ? 4 * 49 + 1 : 343));
+    has_steered = false;
+    bool asks_again = false;
+    options.steer = [&](int /*rank*/, int task) -> std::optional<Steering> {
+      if (task == 1 && !std::exchange(has_steered, true)) return without_half;
+      if (task == 20 && !std::exchange(asks_again, true)) return Steering();
+      return std::nullopt;
+    };
+    if (ranks > 16) continue;  // there a rank has fewer tasks
+    const Replay whole = test::replay(recordings, setups, ranks, options);
+    EXPECT_EQ(whole.report.num_solved, 5 * 343);
   }
 }
 

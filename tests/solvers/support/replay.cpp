@@ -244,7 +244,14 @@ class SimulatedEngine final : public Worker {
     engine_.receive(from, damaged, mail);
   }
   [[nodiscard]] bool has_work() const override { return engine_.has_work(); }
-  void work(Mail& mail) override { engine_.work(mail); }
+  void work(Mail& mail) override {
+    if (plan_.options.steer) {
+      if (auto steering = plan_.options.steer(rank_, ++num_tasks_)) {
+        engine_.steer(*std::move(steering));
+      }
+    }
+    engine_.work(mail);
+  }
   /// The states in it have no fields here.
   [[nodiscard]] Bytes give() override {
     const std::int64_t before = report_.num_states_given;
@@ -263,6 +270,7 @@ class SimulatedEngine final : public Worker {
   const Plan& plan_;
   Simulation& simulation_;
   int rank_;
+  int num_tasks_ = 0;
   PrecomputeReport report_;
   Monitor monitor_;
   ReplaySolver solver_;

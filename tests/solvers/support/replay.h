@@ -7,9 +7,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "exploration/precompute.h"
+#include "exploration/steering.h"
 #include "solvers/support/simulation.h"
 
 namespace palpate::test {
@@ -34,6 +36,9 @@ struct ReplayOptions {
   std::size_t num_known = 0;
   /// Changes a message before the engine gets it; empty: none is changed.
   std::function<void(Bytes&)> damage;
+  /// Steers on a rank before its tasks, by the rank and the number of the task, from 1; empty, or
+  /// where it gives nothing: nobody does.
+  std::function<std::optional<Steering>(int rank, int task)> steer;
 };
 
 struct Replay {

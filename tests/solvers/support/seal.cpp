@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "base/types.h"
 #include "materials/material.h"
 #include "storage/sqlite.h"
 #include "storage/table.h"
