@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a state space is as data: the names of its blocks and arrays, and what is in them. The list
+// is at the head of vtkPalpateStateSpace.h.
+#pragma once
+
+#include <string>
+
+#include "base/outcome.h"
+#include "base/types.h"
+
+namespace vtkPalpateStateSpaceArrays
+{
+constexpr const char* BlockNames[] = { "Body", "Surface", "Configurations", "IntermediateStates" };
+constexpr const char* ThirdDerivative = "ThirdDerivative";
+constexpr const char* FileName = "FileName";
+constexpr const char* LevelsReached = "LevelsReached";
+
+/// The array of the modes of an active node: one has no other beside it.
+inline std::string ModesName(bool isOnly, palpate::Index node)
+{
+  return isOnly ? "Modes" : "Modes " + std::to_string(node);
+}
+
+/// Calls visit(name, components, get) for every figure of a configuration that is a double;
+/// get(configuration) gives the first of them.
+template <class Visit>
+void ForEachDoubleArray(Visit&& visit)
+{
+  visit("Displacement", 3, [](auto& c) { return c.t.data(); });
+  visit("Force", 3, [](auto& c) { return c.force.data(); });
+  visit("Energy", 1, [](auto& c) { return &c.energy; });
+  visit("Stiffness", 9, [](auto& c) { return c.stiffness.data(); }); // symmetric
+  visit("Residual", 1, [](auto& c) { return &c.residual; });
+  visit("MinimumDetF", 1, [](auto& c) { return &c.minimum_det_f; });
+  visit("Seconds", 1, [](auto& c) { return &c.seconds; });
+}
+
+/// The same for the figures that are integers.
+template <class Visit>
+void ForEachIntArray(Visit&& visit)
+{
+  static_assert(sizeof(palpate::Outcome) == sizeof(int));
+  visit("CheckPoint", 3, [](auto& c) { return c.check_point.data(); });
+  visit("ParentCheckPoint", 3, [](auto& c) { return c.parent.data(); });
+  visit("Level", 1, [](auto& c) { return &c.level; });
+  visit("ParentLevel", 1, [](auto& c) { return &c.parent_level; });
+  visit("Flags", 1, [](auto& c) { return &c.flags; });
+  visit("NegativePivots", 1, [](auto& c) { return &c.negative_pivots; });
+  visit("Iterations", 1, [](auto& c) { return &c.iterations; });
+}
+
+/// The same for the figures of an intermediate state that are doubles.
+template <class Visit>
+void ForEachDoubleArrayOfStates(Visit&& visit)
+{
+  visit("Displacement", 3, [](auto& s) { return s.t.data(); });
+  visit("Force", 3, [](auto& s) { return s.force.data(); });
+  visit("Energy", 1, [](auto& s) { return &s.energy; });
+  visit("Seconds", 1, [](auto& s) { return &s.seconds; });
+}
+
+/// The same for those that are integers.
+template <class Visit>
+void ForEachIntArrayOfStates(Visit&& visit)
+{
+  visit("TargetCheckPoint", 3, [](auto& s) { return s.target.data(); });
+  visit("Number", 1, [](auto& s) { return &s.number; });
+  visit("Flags", 1, [](auto& s) { return &s.flags; });
+}
+
+/// Calls visit(name, value) for each field array that has a value for each tool space, but for the
+/// active nodes themselves. @tparam ToolSpaceSetup palpate::ToolSpaceSetup, or const.
+template <class ToolSpaceSetup, class Visit>
+void VisitSetup(ToolSpaceSetup&& setup, Visit&& visit)
+{
+  visit("TipRadius", setup.interaction.tip_radius);
+  visit("HalfWidth", setup.grid.half_width);
+  visit("Resolution", setup.grid.resolution);
+  visit("ForceLimit", setup.policy.force_limit);
+  visit("CoarsestCell", setup.grid.coarsest);
+  visit("Tolerance", setup.policy.tolerance);
+  visit("ToleranceIsRelative", setup.policy.tolerance_is_relative);
+  visit("History", setup.policy.history);
+  visit("IntermediateStates", setup.policy.intermediate_states);
+  visit("ThirdDerivatives", setup.policy.third_derivatives);
+}
+
+/// The same for those that a space has only where its tool is rigid.
+template <class ToolSpaceSetup, class Visit>
+void VisitContact(ToolSpaceSetup&& setup, Visit&& visit)
+{
+  auto& tool = setup.interaction.tool;
+  visit("ToolShape", tool.shape);
+  visit("ToolRadius", tool.radius);
+  visit("ToolAxisX", tool.axis[0]);
+  visit("ToolAxisY", tool.axis[1]);
+  visit("ToolAxisZ", tool.axis[2]);
+  visit("ToolLength", tool.length);
+  visit("ContactThickness", tool.law.thickness);
+  visit("ContactStiffness", tool.law.stiffness);
+  visit("GridOriginX", setup.grid.origin[0]);
+  visit("GridOriginY", setup.grid.origin[1]);
+  visit("GridOriginZ", setup.grid.origin[2]);
+  visit("Depth", setup.policy.depth);
+}
+
+/// Spaces that were saved before there was an offset have none.
+constexpr const char* ContactOffset = "ContactOffset";
+/// Field arrays of the tool's surface, where it is one.
+constexpr const char* ToolPoints = "ToolPoints";
+constexpr const char* ToolTriangles = "ToolTriangles";
+}
