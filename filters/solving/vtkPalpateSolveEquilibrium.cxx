@@ -65,11 +65,11 @@ void AddResult(vtkUnstructuredGrid* output, const palpate::Equilibrium& state)
   vtkPalpateAddNumber(output, "Energy", state.energy);
   vtkPalpateAddInteger(output, "Outcome", static_cast<int>(state.outcome));
   vtkPalpateAddInteger(output, "Flags", state.flags);
-  vtkPalpateAddText(output, "Message", state.message);
-  vtkPalpateAddInteger(output, "Iterations", state.iterations);
-  vtkPalpateAddInteger(output, "Steps", state.steps);
-  vtkPalpateAddNumber(output, "Seconds", state.seconds);
-  vtkPalpateAddNumber(output, "Residual", state.residual);
+  vtkPalpateAddText(output, "Message", state.summary.message);
+  vtkPalpateAddInteger(output, "Iterations", state.summary.iterations);
+  vtkPalpateAddInteger(output, "Steps", state.summary.steps);
+  vtkPalpateAddNumber(output, "Seconds", state.summary.seconds);
+  vtkPalpateAddNumber(output, "Residual", state.summary.residual);
   vtkPalpateAddNumber(output, "DisplacementError", state.displacement_error);
   vtkPalpateAddNumber(output, "MinimumDetF", state.minimum_det_f);
   vtkPalpateAddInteger(output, "NegativePivots", state.negative_pivots);
@@ -121,14 +121,15 @@ palpate::Equilibrium Follow(palpate::EquilibriumSolver& solver, const Eigen::Vec
         ? t
         : Eigen::VectorXd(start + (t - start) * (increment + 1) / increments),
       state);
-    next.iterations += state.iterations;
-    next.steps += state.steps;
-    next.seconds += state.seconds;
-    for (palpate::Fold& fold : next.folds)
+    next.summary.iterations += state.summary.iterations;
+    next.summary.steps += state.summary.steps;
+    next.summary.seconds += state.summary.seconds;
+    for (palpate::Fold& fold : next.summary.folds)
     {
       fold.way = (increment + fold.way) / increments;
     }
-    next.folds.insert(next.folds.begin(), state.folds.begin(), state.folds.end());
+    next.summary.folds.insert(
+      next.summary.folds.begin(), state.summary.folds.begin(), state.summary.folds.end());
     state = std::move(next);
   }
   return state;
@@ -321,7 +322,7 @@ palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
   // Energies count from the body of the mesh.
   const double ofRest = solver.settled().energy;
   state.energy += ofRest;
-  for (palpate::Fold& fold : state.folds)
+  for (palpate::Fold& fold : state.summary.folds)
   {
     fold.energy += ofRest;
     fold.landing_energy += ofRest;
@@ -442,17 +443,17 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route&
   {
     this->AddContact(scene, route, state, output);
   }
-  if (!state.folds.empty())
+  if (!state.summary.folds.empty())
   {
-    AddFolds(output, state.folds);
+    AddFolds(output, state.summary.folds);
   }
   if (this->EstimateCondition)
   {
     vtkPalpateAddNumber(output, "Condition", solver.condition(state));
   }
-  if (!state.message.empty())
+  if (!state.summary.message.empty())
   {
-    vtkPalpateWarn(this, state.message);
+    vtkPalpateWarn(this, state.summary.message);
   }
 }
 

@@ -183,9 +183,9 @@ class Solver final : public Worker {
       TestPoint point = point_of(task, i);
       Equilibrium found = states_.solve(setup, point.t, start, Tangent::iterated);
       if (!walks && !is_regular(found) && found.outcome != Outcome::aborted) {
-        const double seconds = found.seconds;
+        const double seconds = found.summary.seconds;
         found = states_.solve(setup, point.t, rest_, Tangent::iterated);
-        found.seconds += seconds;
+        found.summary.seconds += seconds;
       }
       if (found.outcome == Outcome::aborted) return false;
       take(found, point);
@@ -210,7 +210,7 @@ class Solver final : public Worker {
       if (before && found.outcome != Outcome::aborted) {
         Equilibrium slid = states_.solve(setup, point.t, *before, Tangent::iterated);
         if (!is_same_branch(slid, found)) slid.flags |= flags::near_fold;
-        slid.seconds += found.seconds;
+        slid.summary.seconds += found.summary.seconds;
         found = std::move(slid);
       }
       if (found.outcome == Outcome::aborted) return false;
@@ -244,7 +244,7 @@ class Solver final : public Worker {
   void take(const Equilibrium& found, TestPoint& point) const {
     point.outcome = found.outcome;
     point.flags = found.flags;
-    point.seconds = found.seconds;
+    point.seconds = found.summary.seconds;
     if (found.outcome != Outcome::converged) return;
     point.energy = found.energy;
     point.force = found.reaction;

@@ -276,20 +276,20 @@ void EquilibriumSolver::Impl::set_external(const Scene& scene,
   state.p = rest_.tail(assembly.num_pressures()).cwiseProduct(system_.pressure_scale());
   state.energy = of_materials + of_external + of_terms;
   state.outcome = end.outcome;
-  state.residual = end.residual;
-  state.iterations = end.iterations;
+  state.summary.residual = end.residual;
+  state.summary.iterations = end.iterations;
   take_determinant(assembly, rest_, state);
-  state.seconds = seconds_since(start_);
+  state.summary.seconds = seconds_since(start_);
   if (end.outcome != Outcome::converged) {
     if (auto mobile = support_.find_mobile_piece({})) {
-      state.message = std::move(*mobile);
+      state.summary.message = std::move(*mobile);
       return;
     }
     std::ostringstream text;
     text << "The body finds no rest under its load, " << names_of_loads(scene, terms) << ": "
          << describe(end) << ". Make the load smaller or the body stiffer, or fix more of it"
          << advise_finer_quadrature(assembly) << '.';
-    state.message = text.str();
+    state.summary.message = text.str();
   }
 }
 
@@ -308,7 +308,7 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
   state.stiffness.setZero(coordinates, coordinates);
   if (settled_.outcome != Outcome::converged) {
     state.outcome = settled_.outcome;
-    state.message = settled_.message;
+    state.summary.message = settled_.summary.message;
     return state;
   }
   if (system_.evaluate(t, rest_).energy != rest_energy_) {
@@ -330,11 +330,11 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
     state.outcome = no_tangent();
   }
   tell_accuracy(state);
-  state.message = state.outcome == Outcome::converged ? explain(system_, state, state.t, 1)
-                  : mobile                            ? *mobile
-                                                      : explain_singular(system_);
+  state.summary.message = state.outcome == Outcome::converged ? explain(system_, state, state.t, 1)
+                          : mobile                            ? *mobile
+                                                              : explain_singular(system_);
   add_third_derivative(state);
-  state.seconds = seconds_since(start_);
+  state.summary.seconds = seconds_since(start_);
   return state;
 }
 
@@ -377,7 +377,7 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
           ? correct_by_iteration(system_, options_, interrupted, next_t, *state)
           : correct(system_, options_, interrupted, progress.state, next_t, *state);
   progress.iterations += correction.iterations;
-  next.residual = correction.residual;
+  next.summary.residual = correction.residual;
   next.outcome = correction.outcome;
   if (correction.outcome != Outcome::converged) return next;
   const bool is_linear = system_.is_linear();
@@ -441,7 +441,7 @@ Outcome EquilibriumSolver::Impl::polish(NodalVector& x, Equilibrium& next, Tange
     }
     x = improved;
     here = std::move(*there);
-    next.residual = residual;
+    next.summary.residual = residual;
     if (here.state.displacement_error > 0.5 * before) break;
   }
   take(std::move(here.state), next);
@@ -470,12 +470,12 @@ Outcome EquilibriumSolver::Impl::follow(const Eigen::VectorXd& t, Progress& prog
   Path path = follow_path(
       system_, options_, options, [this] { return interruption(); }, progress.state, t);
   progress.steps += static_cast<int>(path.points.size()) - 1;
-  progress.iterations += path.end.iterations;
+  progress.iterations += path.end.summary.iterations;
   if (path.end.outcome != Outcome::converged) return path.end.outcome;
   NodalVector end = system_.vector_of(path.end);
   const Outcome outcome = polish(end, path.end, Tangent::factorised, progress);
   if (outcome != Outcome::converged) return outcome;
-  for (Fold& fold : path.end.folds) {
+  for (Fold& fold : path.end.summary.folds) {
     fold.way = progress.way + (1 - progress.way) * fold.way;
     progress.folds.push_back(std::move(fold));
   }
@@ -570,14 +570,14 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   }
   Equilibrium& state = progress.state;
   state.outcome = outcome;
-  state.folds = std::move(progress.folds);
-  if (!state.folds.empty()) state.flags |= flags::near_fold;
-  state.iterations = progress.iterations;
-  state.steps = progress.steps;
+  state.summary.folds = std::move(progress.folds);
+  if (!state.summary.folds.empty()) state.flags |= flags::near_fold;
+  state.summary.iterations = progress.iterations;
+  state.summary.steps = progress.steps;
   state.third_derivative.resize(0);  // that of the start
   if (tangent != Tangent::rough) add_third_derivative(state);
-  state.seconds = seconds_since(start_);
-  state.message =
+  state.summary.seconds = seconds_since(start_);
+  state.summary.message =
       is_mobile(outcome, state) ? explain_singular(system_) : explain_end(state, t, progress.way);
   return std::move(progress.state);
 }
@@ -603,10 +603,10 @@ Equilibrium EquilibriumSolver::Impl::settle(const Equilibrium& near) {
   progress.state.v.setZero(near.u.size(), system_.num_coordinates());
   progress.state.p_v.setZero(assembly.num_pressures(), system_.num_coordinates());
   Equilibrium settled = step(1, near.t, Tangent::factorised, progress);
-  settled.iterations = progress.iterations;
-  settled.steps = progress.steps;
+  settled.summary.iterations = progress.iterations;
+  settled.summary.steps = progress.steps;
   add_third_derivative(settled);
-  settled.seconds = seconds_since(start_);
+  settled.summary.seconds = seconds_since(start_);
   return settled;
 }
 
@@ -622,13 +622,14 @@ Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium&
       system_, options_, options, [this] { return interruption(); }, start, t);
   path.end.third_derivative.resize(0);  // that of the start
   tell_accuracy(path.end);
-  path.end.seconds = seconds_since(start_);
-  path.end.message = explain(system_, path.end, t, path.points.back().way);
+  path.end.summary.seconds = seconds_since(start_);
+  path.end.summary.message = explain(system_, path.end, t, path.points.back().way);
   return path;
 }
 
 double EquilibriumSolver::Impl::condition(const Equilibrium& state) {
   require_factor("The condition number");
+  begin();
   const auto tangent = system_.tangent(state.t, system_.vector_of(state));
   TangentFactor* factor = system_.factorise_accurately(*tangent);
   return factor == nullptr ? std::numeric_limits<double>::infinity()
@@ -680,7 +681,7 @@ double EquilibriumSolver::condition(const Equilibrium& state) { return impl_->co
 void require_rest(const EquilibriumSolver& solver) {
   const Equilibrium& rest = solver.settled();
   if (rest.outcome == Outcome::converged || rest.outcome == Outcome::aborted) return;
-  throw InputError(rest.message);
+  throw InputError(rest.summary.message);
 }
 
 }  // namespace palpate

@@ -82,9 +82,9 @@ class EquilibriumSolver {
   void set_interaction(const Interaction& interaction);
 
   /// The rest of a body under loads (Scene::has_load()) or with terms, without a tool. Only u, p,
-  /// outcome, residual, iterations, message and the energy, counted from the undeformed body, are
-  /// set. Solves start from this state. The energy, and the coordinates of a tool that prescribes
-  /// points, count from it. Without a load and terms it has converged, with empty u and p.
+  /// outcome, summary and the energy, counted from the undeformed body, are set. Solves start from
+  /// this state. The energy, and the coordinates of a tool that prescribes points, count from it.
+  /// Without a load and terms it has converged, with empty u and p.
   [[nodiscard]] const Equilibrium& settled() const;
 
   /// The body at rest (u = 0 without a load) with its sensitivity and stiffness, the tool at t [d],

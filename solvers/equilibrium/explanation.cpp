@@ -55,7 +55,7 @@ std::string explain(const CondensedSystem& system, const Equilibrium& state,
   if (state.outcome != Outcome::converged) {
     text << "Stopped at " << std::lround(100 * way) << " % of the way to "
          << system.interaction().describe(target) << " (" << to_string(state.outcome) << ", "
-         << state.iterations << " iterations in " << state.steps << " steps). ";
+         << state.summary.iterations << " iterations in " << state.summary.steps << " steps). ";
   }
   if (state.outcome == Outcome::tool_inside) {
     text << "Beyond that the tool goes through the surface of the body, whose cells are too large "
@@ -64,7 +64,7 @@ std::string explain(const CondensedSystem& system, const Equilibrium& state,
             "is fixed: it is not felt there. ";
     return text.str().substr(0, text.str().size() - 1);
   }
-  for (const Fold& fold : state.folds) {
+  for (const Fold& fold : state.summary.folds) {
     text << "The path folds at " << 100 * fold.way << " % of the way: from a force of "
          << fold.reaction.norm() << " N and an energy of " << fold.energy << " J ";
     if (fold.lands) {

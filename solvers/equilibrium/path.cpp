@@ -69,9 +69,9 @@ class Follower {
     }
     land();
     at_.outcome = outcome;
-    at_.folds = path_.folds;
+    at_.summary.folds = path_.folds;
     if (!path_.folds.empty()) at_.flags |= flags::near_fold;
-    at_.iterations = iterations_;
+    at_.summary.iterations = iterations_;
     path_.end = std::move(at_);
     return std::move(path_);
   }
@@ -125,11 +125,11 @@ class Follower {
       tangent.x = -tangent.x;
       tangent.way = -tangent.way;
     }
-    equilibrium.residual = residual;
+    equilibrium.summary.residual = residual;
     add_point(equilibrium, next.way);
     if (tangent_.way > 0 && tangent.way < 0) add_fold(equilibrium, next, tangent);
     at_ = std::move(equilibrium);
-    at_.steps = static_cast<int>(path_.points.size());
+    at_.summary.steps = static_cast<int>(path_.points.size());
     here_ = std::move(next);
     tangent_ = std::move(tangent);
     length_ *= std::clamp(std::sqrt(kUsualIterations / std::max(iterations, 1)), 0.5, 2.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A state in equilibrium with its linearisation, and the result of a solve.
+// A state in equilibrium with its linearisation, and the log of the solve that has found it.
 #pragma once
 
 #include <limits>
@@ -64,13 +64,8 @@ struct LinearisedState {
   double lowest_eigenvalue = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// An equilibrium of the body. If the solve did not converge, this is the last equilibrium that it
-/// reached, so that every member belongs to `t`.
-struct Equilibrium : LinearisedState {
-  /// ∂³Π/∂t³ [10], N/m², see third_derivative.h; empty if d is not 3, if the solve did not
-  /// converge, or if it was not asked for.
-  Eigen::VectorXd third_derivative;
-  Outcome outcome = Outcome::not_converged;
+/// The log of a solve: how it went, besides what it has found.
+struct Summary {
   /// Largest component of the residual, see EquilibriumOptions::tolerance.
   double residual = 0;
   int iterations = 0;
@@ -81,6 +76,17 @@ struct Equilibrium : LinearisedState {
   std::vector<Fold> folds;
   /// What happened, as a text for the user; empty if there is nothing to say.
   std::string message;
+};
+
+/// An equilibrium of the body. If the solve did not converge, this is the last equilibrium that it
+/// reached, so that every member of LinearisedState belongs to `t`.
+struct Equilibrium : LinearisedState {
+  /// ∂³Π/∂t³ [10], N/m², see third_derivative.h; empty if d is not 3, if the solve did not
+  /// converge, or if it was not asked for.
+  Eigen::VectorXd third_derivative;
+  Outcome outcome = Outcome::not_converged;
+  /// Of the solve that has found it; a solve that starts here does not read it.
+  Summary summary;
 };
 
 }  // namespace palpate

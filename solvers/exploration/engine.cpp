@@ -65,11 +65,11 @@ void for_each_shared_part(OfEquilibrium& e, OfConfiguration& c, Visit&& visit) {
   visit(e.stiffness, c.stiffness);
   visit(e.outcome, c.outcome);
   visit(e.flags, c.flags);
-  visit(e.residual, c.residual);
+  visit(e.summary.residual, c.residual);
   visit(e.minimum_det_f, c.minimum_det_f);
   visit(e.negative_pivots, c.negative_pivots);
-  visit(e.iterations, c.iterations);
-  visit(e.seconds, c.seconds);
+  visit(e.summary.iterations, c.iterations);
+  visit(e.summary.seconds, c.seconds);
 }
 
 Equilibrium to_equilibrium(Configuration&& c) {
@@ -634,7 +634,7 @@ std::vector<IntermediateState> Engine::make_way(const Batch& batch,
     state.outcome = between.outcome;
     state.flags = between.flags;
     if (setup.policy.is_beyond_limit(state.force)) state.flags |= flags::beyond_force_limit;
-    state.seconds = between.seconds;
+    state.seconds = between.summary.seconds;
     if (state.outcome == Outcome::aborted) break;
     ++report_.num_intermediate_states;
     if (!state.usable()) ++report_.num_intermediate_states_failed;

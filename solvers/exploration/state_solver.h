@@ -61,7 +61,7 @@ class InteractionSolver final : public StateSolver {
     const Eigen::VectorXd start =
         clearance_ == nullptr ? t : Eigen::VectorXd(clearance_->start_for(t));
     Equilibrium rest = solver_.rest(start);
-    if (rest.outcome != Outcome::converged) throw InputError(rest.message);
+    if (rest.outcome != Outcome::converged) throw InputError(rest.summary.message);
     return start == t ? rest : solver_.solve(t, rest, tangent);
   }
   [[nodiscard]] Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,

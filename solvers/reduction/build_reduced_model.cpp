@@ -250,7 +250,7 @@ class Builder {
   /// Finds u_r.
   [[nodiscard]] NodalVector find_rest() {
     const Equilibrium& rest = solver_.settled();
-    if (rest.outcome != Outcome::converged) throw InputError(rest.message);
+    if (rest.outcome != Outcome::converged) throw InputError(rest.summary.message);
     return rest.u;
   }
 

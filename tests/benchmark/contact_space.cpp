@@ -238,8 +238,7 @@ class PlainNewton {
       Eigen::MatrixXd step = -r;
       system_.solve(*factor, step);
       const NodalVector way = system_.as_state(step.col(0));
-      double length =
-          std::min(1.0, system_.longest_step() / way.lpNorm<Eigen::Infinity>());
+      double length = std::min(1.0, system_.longest_step() / way.lpNorm<Eigen::Infinity>());
       while (!(system_.evaluate(t, x + length * way).energy <= at.energy * (1 + 1e-11))) {
         length *= 0.5;
         if (length < 1e-4) return false;
@@ -392,7 +391,7 @@ void measure(const Arguments& arguments, Communicator& world) {
       test.exact = state.reaction;
       test.flags = state.flags;
       test.outcome = state.outcome;
-      test.seconds = state.seconds;
+      test.seconds = state.summary.seconds;
       test.depth = clearance->approach(test.place).depth;
       return state;
     };

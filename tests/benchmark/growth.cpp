@@ -87,12 +87,12 @@ std::vector<Figure> measure(int bricks) {
                        factorisations = body.work().factorisations;
                      })});
   figures.push_back({"factorisations", 1, static_cast<double>(factorisations)});
-  figures.push_back({"iterations", 1, static_cast<double>(pulled.iterations)});
+  figures.push_back({"iterations", 1, static_cast<double>(pulled.summary.iterations)});
   figures.push_back({"memory, MB", kMega, peak_bytes()});
   forget_peak();
   if (explore(scene).num_solved == 0) std::printf("nothing found\n");
   figures.push_back({"memory of an exploration, MB", kMega, peak_bytes()});
-  if (pulled.outcome != Outcome::converged) std::printf("%s\n", pulled.message.c_str());
+  if (pulled.outcome != Outcome::converged) std::printf("%s\n", pulled.summary.message.c_str());
   return figures;
 }
 

@@ -47,11 +47,12 @@ Run run(const Scene& scene, std::unique_ptr<LinearSolver> linear_solver, int thr
   EquilibriumSolver solver(scene, options, std::move(linear_solver));
   solver.set_interaction(bond_patch(scene.mesh));
   const Equilibrium rest = solver.rest();
-  run.rest_seconds = rest.seconds;
+  run.rest_seconds = rest.summary.seconds;
   run.pulled = solver.solve(Vec3(0, 0, kEdge / 10), rest);
   run.work = solver.work();
   run.bytes = peak_bytes() - before;
-  if (run.pulled.outcome != Outcome::converged) std::printf("%s\n", run.pulled.message.c_str());
+  if (run.pulled.outcome != Outcome::converged)
+    std::printf("%s\n", run.pulled.summary.message.c_str());
   return run;
 }
 
@@ -73,8 +74,8 @@ std::vector<Figure> measure(int bricks, int most_direct, double nu, int threads)
   std::vector<Figure> figures = {
       {"unknowns", 1, static_cast<double>(unknowns)},
       {"rest, s", 1, iterative.rest_seconds},
-      {"configuration, s", 1, iterative.pulled.seconds},
-      {"Newton", 1, static_cast<double>(iterative.pulled.iterations)},
+      {"configuration, s", 1, iterative.pulled.summary.seconds},
+      {"Newton", 1, static_cast<double>(iterative.pulled.summary.iterations)},
       {"iterations", 1, static_cast<double>(iterative.work.krylov_iterations)},
       {"memory, MB", kMega, iterative.bytes},
       {"bytes an unknown", 1, iterative.bytes / unknowns},
@@ -86,7 +87,7 @@ std::vector<Figure> measure(int bricks, int most_direct, double nu, int threads)
   if (unknowns <= most_direct) {
     const Run direct = run(scene, make_linear_solver(), threads);
     explored = explore(scene, linear_solver_names().front(), threads);
-    seconds = direct.pulled.seconds;
+    seconds = direct.pulled.summary.seconds;
     bytes = direct.bytes;
     force =
         (direct.pulled.reaction - iterative.pulled.reaction).norm() / direct.pulled.reaction.norm();

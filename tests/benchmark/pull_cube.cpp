@@ -37,7 +37,7 @@ int run(int bricks, double nu) {
   const double configuration =
       processor_seconds([&] { pulled = solver->solve(Vec3(0, 0, kEdge / 10), rest); });
   if (pulled.outcome != Outcome::converged) {
-    std::fprintf(stderr, "%s\n", pulled.message.c_str());
+    std::fprintf(stderr, "%s\n", pulled.summary.message.c_str());
     return EXIT_FAILURE;
   }
   const nlohmann::json figures = {
@@ -45,7 +45,7 @@ int run(int bricks, double nu) {
       {"set_up", set_up},
       {"rest", at_rest},
       {"configuration", configuration},
-      {"newton", pulled.iterations},
+      {"newton", pulled.summary.iterations},
       {"iterations", solver->work().krylov_iterations - before_pull},
       {"bytes", peak_bytes() - before},
       {"force", std::vector<double>(pulled.reaction.begin(), pulled.reaction.end())},

@@ -371,8 +371,9 @@ TEST(SpringAcrossTheBody, PullsItToItsRestAndSwingsWithIt) {
   const EquilibriumSolver at_rest(block.scene, {}, make_linear_solver(), {&springs});
   const NodalVector& rest = at_rest.settled().u;
   ASSERT_GT(rest.lpNorm<Eigen::Infinity>(), 1e-4);
-  ToolPath path =
-      path_along(Vec3(0, 1, 0), 0.1, 101, [](double t) { return 0.01 * std::sin(60 * t); });
+  const ToolPath path = path_along(Vec3(0, 1, 0), 0.1, 201, [](double t) {
+    return 0.01 * std::pow(std::sin(kPi * t / 0.1), 4);
+  });
   double at_start = 0;
   double largest_work = 0;
   double largest_error = 0;
@@ -388,8 +389,8 @@ TEST(SpringAcrossTheBody, PullsItToItsRestAndSwingsWithIt) {
     return true;
   });
   ASSERT_EQ(end.outcome, Outcome::converged) << end.message;
-  EXPECT_GT(largest_work, 1e-4);
-  EXPECT_LT(largest_error, 5e-3 * largest_work);
+  EXPECT_GT(largest_work, 1e-3);
+  EXPECT_LT(largest_error, 5e-4 * largest_work);
   EXPECT_EQ(solver.work().analyses, 1);
 }
 

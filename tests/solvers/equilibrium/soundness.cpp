@@ -57,12 +57,12 @@ std::vector<std::string> faults(const Equilibrium& state, const Assembly& assemb
               state.p.allFinite() && state.p_v.allFinite() && state.reaction.allFinite() &&
               state.stiffness.allFinite(),
           "a vector holds numbers that are none");
-  require(std::isfinite(state.energy) && std::isfinite(state.residual) &&
+  require(std::isfinite(state.energy) && std::isfinite(state.summary.residual) &&
               std::isfinite(state.minimum_det_f),
           "a figure is not finite");
   require(to_string(state.outcome) != "unknown", "the outcome has no name");
   const Flags told = state.flags & ~flags::inertia_not_computed;
-  require((state.outcome == Outcome::converged && told == 0) || !state.message.empty(),
+  require((state.outcome == Outcome::converged && told == 0) || !state.summary.message.empty(),
           "what went wrong is not explained");
   require(((state.flags & flags::inverted) != 0) == (state.minimum_det_f <= 0),
           "the least det F is ", state.minimum_det_f, " and the flag 'inverted' says otherwise");
@@ -112,9 +112,9 @@ std::vector<std::string> faults(const Equilibrium& state, const Assembly& assemb
     if (place < 3 * assembly.num_points() && held[place / 3] != 0) continue;
     const double rounding = kRounding * rows[i] * largest;
     const double residual = std::max(0.0, std::abs(force[place]) - rounding) / (norms[i] * scale);
-    if (residual <= std::min(tolerance, (1 + kRounding) * state.residual)) continue;
+    if (residual <= std::min(tolerance, (1 + kRounding) * state.summary.residual)) continue;
     require(false, "the residual at place ", place, " of the state is ", residual,
-            " of its scale, and the largest is said to be ", state.residual);
+            " of its scale, and the largest is said to be ", state.summary.residual);
     break;
   }
   if (mesh != nullptr) {

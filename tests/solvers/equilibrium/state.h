@@ -30,15 +30,15 @@ inline void expect_same_bits(const Equilibrium& a, const Equilibrium& b) {
   EXPECT_EQ(a.third_derivative, b.third_derivative);
   EXPECT_EQ(a.outcome, b.outcome);
   EXPECT_EQ(a.flags, b.flags);
-  EXPECT_EQ(a.residual, b.residual);
+  EXPECT_EQ(a.summary.residual, b.summary.residual);
   EXPECT_EQ(a.displacement_error, b.displacement_error);
   EXPECT_EQ(a.minimum_det_f, b.minimum_det_f);
   EXPECT_EQ(a.minimum_det_f_cell, b.minimum_det_f_cell);
   EXPECT_EQ(a.num_inverted_cells, b.num_inverted_cells);
   EXPECT_EQ(a.negative_pivots, b.negative_pivots);
-  EXPECT_EQ(a.iterations, b.iterations);
-  EXPECT_EQ(a.steps, b.steps);
-  EXPECT_EQ(a.message, b.message);
+  EXPECT_EQ(a.summary.iterations, b.summary.iterations);
+  EXPECT_EQ(a.summary.steps, b.summary.steps);
+  EXPECT_EQ(a.summary.message, b.summary.message);
 }
 
 }  // namespace palpate::test

@@ -39,14 +39,14 @@ class Budget : public testing::Test {
 TEST_F(Budget, StepsAreHalvedWhereOneIsTooLong) {
   EquilibriumOptions options;
   const Equilibrium state = push(options);
-  EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+  EXPECT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   EXPECT_EQ(state.t, kHardPush);
-  EXPECT_GT(state.steps, 1);
+  EXPECT_GT(state.summary.steps, 1);
   options.max_halvings = 0;
   options.follow_folds = false;
   const Equilibrium in_one = push(options);
   EXPECT_EQ(in_one.outcome, Outcome::not_converged);
-  EXPECT_EQ(in_one.steps, 1);
+  EXPECT_EQ(in_one.summary.steps, 1);
   EXPECT_EQ(in_one.t, Vec3::Zero());
   EXPECT_EQ(in_one.u.norm(), 0);
 }
@@ -57,7 +57,8 @@ TEST_F(Budget, Iterations) {
   options.follow_folds = false;
   const Equilibrium state = push(options);
   EXPECT_EQ(state.outcome, Outcome::not_converged);
-  EXPECT_NE(state.message.find("not converged"), std::string::npos) << state.message;
+  EXPECT_NE(state.summary.message.find("not converged"), std::string::npos)
+      << state.summary.message;
 }
 
 TEST_F(Budget, Steps) {
@@ -65,8 +66,9 @@ TEST_F(Budget, Steps) {
   options.max_steps = 2;
   const Equilibrium state = push(options);
   EXPECT_EQ(state.outcome, Outcome::budget_used_up);
-  EXPECT_EQ(state.steps, 2);
-  EXPECT_NE(state.message.find("budget used up"), std::string::npos) << state.message;
+  EXPECT_EQ(state.summary.steps, 2);
+  EXPECT_NE(state.summary.message.find("budget used up"), std::string::npos)
+      << state.summary.message;
 }
 
 TEST_F(Budget, Seconds) {
@@ -74,7 +76,7 @@ TEST_F(Budget, Seconds) {
   options.max_seconds = 1e-9;
   const Equilibrium state = push(options);
   EXPECT_EQ(state.outcome, Outcome::budget_used_up);
-  EXPECT_LE(state.iterations, 1);
+  EXPECT_LE(state.summary.iterations, 1);
   options.max_seconds = 1000;
   EXPECT_EQ(push(options).outcome, Outcome::converged);
 }
@@ -86,7 +88,7 @@ TEST_F(Budget, AbortEndsASolveAtOnce) {
   const Equilibrium state = push(options);
   EXPECT_EQ(state.outcome, Outcome::aborted);
   EXPECT_EQ(calls, 1);
-  EXPECT_EQ(state.iterations, 0);
+  EXPECT_EQ(state.summary.iterations, 0);
   EXPECT_EQ(state.u.norm(), 0);
 }
 
@@ -94,7 +96,7 @@ TEST_F(Budget, AbortIsAskedBeforeEachIteration) {
   int calls = 0;
   EquilibriumOptions options;
   options.abort_requested = [&] { return ++calls, false; };
-  const int iterations = push(options).iterations;
+  const int iterations = push(options).summary.iterations;
   EXPECT_GE(calls, iterations);
   for (int after : {1, iterations / 2, iterations - 1}) {
     calls = 0;
@@ -116,7 +118,7 @@ TEST_F(Budget, WhatIsLeftIsAStartForTheNext) {
   EquilibriumSolver patient(block_.scene, {});
   patient.set_interaction(tool_);
   const Equilibrium state = patient.solve(kHardPush, part);
-  EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+  EXPECT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   EXPECT_EQ(state.t, kHardPush);
 }
 
@@ -131,7 +133,7 @@ TEST_F(Budget, AStartThatDidNotConvergeIsGivenBackWithItsReason) {
   const Equilibrium next = solver.solve(0.01 * kHardPush, failed);
   EXPECT_EQ(next.outcome, Outcome::not_converged);
   EXPECT_EQ(next.t, failed.t);
-  EXPECT_FALSE(next.message.empty());
+  EXPECT_FALSE(next.summary.message.empty());
 }
 
 }  // namespace

@@ -161,7 +161,7 @@ void ClosedForms::compare(Mode mode, double amount) {
   EquilibriumSolver solver(scene, with_tolerance(1e-13));
   solver.set_interaction(bond_nodes(held));
   const Equilibrium state = solver.solve(t, solver.rest());
-  ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+  ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   EXPECT_EQ(state.flags & flags::inverted, 0);
   for (Index p = 0; p < mesh.num_points(); ++p) {
     ASSERT_LT((state.u.segment<3>(3 * p) - displacement(p)).norm(), kAccuracy * kSize.norm())
@@ -222,7 +222,7 @@ TEST(Incompressible, TheVolumeStays) {
       solver.set_interaction(bond_nodes({block.corner}));
       for (const Vec3& t : {Vec3(-0.01, 0.006, -0.005), Vec3(0.03, -0.01, 0.02)}) {
         const Equilibrium state = solver.solve(t, solver.rest());
-        ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+        ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
         EXPECT_LT(std::abs(relative_change_of_volume(block.scene.mesh, state.u)), 1e-6)
             << to_string(law);
       }

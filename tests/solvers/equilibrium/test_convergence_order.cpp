@@ -231,7 +231,7 @@ TEST_P(ConvergenceOrder, TheSurfaceMayBeHeldInstead) {
     t.segment<3>(3 * i) = exact_neo_hookean(scene.mesh.points[surface[i]]) - shift;
   }
   const Equilibrium state = solver.solve(t, solver.rest());
-  ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+  ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   for (Index p = 0; p < scene.mesh.num_points(); ++p) {
     EXPECT_LT((state.u.segment<3>(3 * p) + shift - expected.segment<3>(3 * p)).norm(),
               1e-8 * t.lpNorm<Eigen::Infinity>());

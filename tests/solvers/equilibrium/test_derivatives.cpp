@@ -32,7 +32,7 @@ class Derivatives : public testing::TestWithParam<std::tuple<ElementOrder, Law>>
     EquilibriumSolver solver(block_.scene, with_tolerance(kTolerance));
     solver.set_interaction(tool);
     const Equilibrium state = solver.solve(t, solver.rest());
-    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     const auto moved = [&](Eigen::Index i, double step) {
       Equilibrium other = solver.solve(t + step * Eigen::VectorXd::Unit(t.size(), i), state);
       EXPECT_EQ(other.outcome, Outcome::converged);

@@ -241,15 +241,15 @@ TEST_P(EnergyTerms, EquilibriaOfSeveralToolsAreThoseOfADenseSolve) {
   EquilibriumSolver solver(block_.scene, options, make_solver(), {&springs});
   const Dense dense(block_.scene, springs);
   const NodalVector& rest = solver.settled().u;
-  ASSERT_EQ(solver.settled().outcome, Outcome::converged) << solver.settled().message;
+  ASSERT_EQ(solver.settled().outcome, Outcome::converged) << solver.settled().summary.message;
   EXPECT_GT(rest.lpNorm<Eigen::Infinity>(), 1e-4) << "the springs pull";
   const Vec3 t(0.004, -0.006, 0.003);
   for (const Index point : {block_.corner, block_.middle, block_.corner}) {
     solver.set_interaction(BondedPatch({point}));
     const Equilibrium at_rest = solver.rest();
-    ASSERT_EQ(at_rest.outcome, Outcome::converged) << at_rest.message;
+    ASSERT_EQ(at_rest.outcome, Outcome::converged) << at_rest.summary.message;
     const Equilibrium found = solver.solve(t, at_rest);
-    ASSERT_EQ(found.outcome, Outcome::converged) << found.message;
+    ASSERT_EQ(found.outcome, Outcome::converged) << found.summary.message;
     NodalVector u = found.u;
     u.segment<3>(3 * Eigen::Index{point}) = rest.segment<3>(3 * Eigen::Index{point}) + t;
     Vec3 reaction;
@@ -270,10 +270,10 @@ TEST_P(EnergyTerms, OnlyPairsBeyondAllThatWereThereAreAnalysedAnew) {
   solver.set_interaction(at_corner(block_));
   const Vec3 t(0.004, -0.006, 0.003);
   const Equilibrium before = solver.solve(t, solver.rest());
-  ASSERT_EQ(before.outcome, Outcome::converged) << before.message;
+  ASSERT_EQ(before.outcome, Outcome::converged) << before.summary.message;
   const auto expect_same = [&](long analyses) {
     const Equilibrium after = solver.solve(t, solver.rest());
-    ASSERT_EQ(after.outcome, Outcome::converged) << after.message;
+    ASSERT_EQ(after.outcome, Outcome::converged) << after.summary.message;
     EXPECT_LT((after.u - before.u).norm(), 1e-8 * before.u.norm());
     EXPECT_LT((after.v - before.v).norm(), 1e-5 * before.v.norm());
     EXPECT_EQ(solver.work().analyses, is_direct() ? analyses : 0);
@@ -299,10 +299,10 @@ TEST_P(EnergyTerms, AToolMayCouplePointsThatShareNoCell) {
   for (const auto& [of, start] : {std::pair(&solver, at_rest), std::pair(&plain, Vec3(0, 0, 0))}) {
     of->set_interaction(Yoke(block_.corner, other));
     Equilibrium from = of->rest(start);
-    ASSERT_EQ(from.outcome, Outcome::converged) << from.message;
+    ASSERT_EQ(from.outcome, Outcome::converged) << from.summary.message;
     const Vec3 t = start + Vec3(0.003, -0.002, 0.004);
     const Equilibrium found = of->solve(t, from);
-    ASSERT_EQ(found.outcome, Outcome::converged) << found.message;
+    ASSERT_EQ(found.outcome, Outcome::converged) << found.summary.message;
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3 step = 1e-5 * Vec3::Unit(axis);
       const Vec3 slope =
@@ -326,8 +326,8 @@ TEST_P(EnergyTerms, NoStepIsLongerThanATermAllows) {
   const Equilibrium at_once = found();
   springs.set_longest_step(0.0011);
   const Equilibrium in_steps = found();
-  EXPECT_EQ(at_once.steps, 1);
-  EXPECT_EQ(in_steps.steps, 8);
+  EXPECT_EQ(at_once.summary.steps, 1);
+  EXPECT_EQ(in_steps.summary.steps, 8);
   EXPECT_LT((at_once.u - in_steps.u).norm(), 1e-8 * at_once.u.norm());
 }
 
@@ -385,7 +385,7 @@ TEST(BodyUnderLoads, ToldThatARigidToolTouchesNothing) {
     const Equilibrium second = solver.rest(Vec3(0.06, 0.03, 0.2));
     EXPECT_EQ(solver.work().factorisations, factorisations);
     for (const Equilibrium& rest : {first, second}) {
-      ASSERT_EQ(rest.outcome, Outcome::converged) << rest.message;
+      ASSERT_EQ(rest.outcome, Outcome::converged) << rest.summary.message;
       EXPECT_EQ(rest.flags & flags::touches_nothing, flags::touches_nothing);
       EXPECT_EQ(rest.flags & flags::unstable, 0);
       EXPECT_EQ(rest.u, solver.settled().u);

@@ -63,7 +63,7 @@ TEST_P(Laws, StayingAtRestCostsNothing) {
   solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium state = solver.solve(Vec3::Zero(), solver.rest());
   EXPECT_EQ(state.outcome, Outcome::converged);
-  EXPECT_EQ(state.iterations, 0);
+  EXPECT_EQ(state.summary.iterations, 0);
   EXPECT_EQ(state.u.norm(), 0);
   EXPECT_EQ(state.reaction.norm(), 0);
 }
@@ -78,9 +78,9 @@ TEST_P(Laws, APushEndsInEquilibrium) {
       const Equilibrium state = solver.solve(t, solver.rest());
       EXPECT_EQ(state.outcome, Outcome::converged);
       EXPECT_EQ(state.flags, 0);
-      EXPECT_EQ(state.message, "");
+      EXPECT_EQ(state.summary.message, "");
       EXPECT_EQ(state.t, t);
-      EXPECT_LE(state.residual, EquilibriumOptions{}.tolerance);
+      EXPECT_LE(state.summary.residual, EquilibriumOptions{}.tolerance);
       EXPECT_GT(state.energy, 0);
       EXPECT_GT(state.reaction.dot(t), 0) << "the force that holds pulls where it is pulled";
       EXPECT_EQ(state.stiffness, state.stiffness.transpose());
@@ -185,7 +185,7 @@ TEST_P(Laws, UnitsDoNotMatter) {
       other.set_interaction(bond_nodes({block.corner}));
       const Equilibrium state = other.solve(std::ldexp(1.0, size) * kPush, other.rest());
       ASSERT_EQ(state.outcome, Outcome::converged) << "2^" << size << " m, 2^" << modulus << " Pa";
-      EXPECT_EQ(state.iterations, expected.iterations);
+      EXPECT_EQ(state.summary.iterations, expected.summary.iterations);
       EXPECT_EQ(std::ldexp(1.0, -size) * state.u, expected.u);
       EXPECT_EQ(std::ldexp(1.0, -2 * size - modulus) * state.reaction, expected.reaction);
     }

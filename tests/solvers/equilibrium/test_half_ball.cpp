@@ -62,7 +62,7 @@ TEST_P(HalfBall, FindsItsRestWhereAnotherCodeDoes) {
     const Vec3 expected = vector(of_case.at("tip"));
     EquilibriumSolver solver(scene, {});
     const Equilibrium& settled = solver.settled();
-    ASSERT_EQ(settled.outcome, Outcome::converged) << name << ": " << settled.message;
+    ASSERT_EQ(settled.outcome, Outcome::converged) << name << ": " << settled.summary.message;
     EXPECT_LT((settled.u.segment<3>(3 * tip) - expected).norm(),
               (is_fine ? kTipOfSameDegree : kTip) * expected.norm())
         << name;
@@ -74,11 +74,13 @@ TEST_P(HalfBall, FindsItsRestWhereAnotherCodeDoes) {
     EXPECT_EQ(rest.flags & ~flags::inverted, 0) << name;
     if (rest.flags == 0) continue;
     ++num_inverted;
-    EXPECT_NE(rest.message.find("inverted"), std::string::npos) << rest.message;
-    EXPECT_NE(rest.message.find("cell " + std::to_string(rest.minimum_det_f_cell) + " at ("),
-              std::string::npos)
-        << rest.message;
-    EXPECT_EQ(rest.message.find("Quadrature Fine") == std::string::npos, is_fine) << rest.message;
+    EXPECT_NE(rest.summary.message.find("inverted"), std::string::npos) << rest.summary.message;
+    EXPECT_NE(
+        rest.summary.message.find("cell " + std::to_string(rest.minimum_det_f_cell) + " at ("),
+        std::string::npos)
+        << rest.summary.message;
+    EXPECT_EQ(rest.summary.message.find("Quadrature Fine") == std::string::npos, is_fine)
+        << rest.summary.message;
   }
   // Corners lie outside of the points of either rule.
   EXPECT_EQ(num_inverted, 2);

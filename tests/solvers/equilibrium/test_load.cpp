@@ -34,13 +34,13 @@ TEST_P(Load, RestsUnderItAndToolsCountFromThere) {
     EquilibriumSolver solver(heavy(block.scene, kGravity), {},
                              has_factor ? make_linear_solver() : nullptr);
     const Equilibrium& alone = solver.settled();
-    ASSERT_EQ(alone.outcome, Outcome::converged) << alone.message;
+    ASSERT_EQ(alone.outcome, Outcome::converged) << alone.summary.message;
     const Eigen::Index corner = 3 * Eigen::Index{block.corner};
     EXPECT_LT(alone.u[corner + 2], -0.005);
 
     solver.set_interaction(BondedPatch({block.corner}));
     const Equilibrium rest = solver.rest();
-    ASSERT_EQ(rest.outcome, Outcome::converged) << rest.message;
+    ASSERT_EQ(rest.outcome, Outcome::converged) << rest.summary.message;
     EXPECT_EQ(rest.u, alone.u);
     EXPECT_EQ(rest.energy, 0);
     // Half of the work of the weight is stored, where the body is linear.
@@ -49,7 +49,7 @@ TEST_P(Load, RestsUnderItAndToolsCountFromThere) {
 
     const Vec3 t(0.004, -0.003, 0.005);
     const Equilibrium pulled = solver.solve(t, rest);
-    ASSERT_EQ(pulled.outcome, Outcome::converged) << pulled.message;
+    ASSERT_EQ(pulled.outcome, Outcome::converged) << pulled.summary.message;
     EXPECT_LT((pulled.u.segment<3>(corner) - rest.u.segment<3>(corner) - t).norm(), 1e-15);
     // h is the derivative of the energy, with the part of the load.
     constexpr double step = 1e-5;
@@ -80,8 +80,8 @@ TEST(Load, ThatIsTooLargeEndsByNameAndABadOneIsRefused) {
   EquilibriumSolver solver(heavy(block.scene, Vec3(-1e5, 0, 0)), {});
   const Equilibrium& end = solver.settled();
   EXPECT_EQ(end.outcome, Outcome::not_converged);
-  EXPECT_NE(end.message.find("finds no rest"), std::string::npos) << end.message;
-  EXPECT_NE(end.message.find("BodyForce"), std::string::npos) << end.message;
+  EXPECT_NE(end.summary.message.find("finds no rest"), std::string::npos) << end.summary.message;
+  EXPECT_NE(end.summary.message.find("BodyForce"), std::string::npos) << end.summary.message;
   EXPECT_THROW(require_rest(solver), InputError);
   solver.set_interaction(BondedPatch({block.corner}));
   EXPECT_EQ(solver.rest().outcome, Outcome::not_converged);

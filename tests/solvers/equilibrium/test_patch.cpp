@@ -63,7 +63,7 @@ TEST_P(Patch, AnAffineSurfaceGivesAnAffineBody) {
   ASSERT_EQ(elsewhere.outcome, Outcome::converged);
   for (const Equilibrium& start : {rest, elsewhere}) {
     const Equilibrium state = solver.solve(t, start);
-    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     for (Index p = 0; p < mesh.num_points(); ++p) {
       EXPECT_LT((state.u.segment<3>(3 * p) - affine(p)).norm(), kAccuracy) << "point " << p;
     }

@@ -110,7 +110,7 @@ void compare(const Scene& scene, const nlohmann::json& reference, const nlohmann
   EquilibriumSolver solver(scene, with_tolerance(1e-13));
   solver.set_interaction(bond_nodes({reference.at("active_node").get<Index>()}));
   const Equilibrium state = solver.solve(vector(reference.at("displacement")), solver.rest());
-  ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+  ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   const Vec3 reaction = vector(reference.at("reaction"));
   const double energy = reference.at("energy");
   EXPECT_LT((state.reaction - reaction).norm(), kRelative * reaction.norm());

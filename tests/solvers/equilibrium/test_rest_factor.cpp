@@ -67,7 +67,7 @@ Reference reference(const Assembly& assembly, const Interaction& tool) {
 }
 
 void expect_as(const Reference& expected, const Equilibrium& rest, const Assembly& assembly) {
-  ASSERT_EQ(rest.outcome, Outcome::converged) << rest.message;
+  ASSERT_EQ(rest.outcome, Outcome::converged) << rest.summary.message;
   Eigen::MatrixXd v(expected.v.rows(), expected.v.cols());
   const Index num_displacements = 3 * assembly.num_points();
   for (Index i = 0; i < v.rows(); ++i) {
@@ -159,13 +159,13 @@ TEST_P(SharedFactor, LeadsToTheSameEquilibriumAsAFactorOfItsOwn) {
       EquilibriumSolver solver(block_.scene, keeping(kept));
       solver.set_interaction(tools);
       ends.push_back(solver.solve(t, solver.rest()));
-      EXPECT_EQ(ends.back().outcome, Outcome::converged) << ends.back().message;
+      EXPECT_EQ(ends.back().outcome, Outcome::converged) << ends.back().summary.message;
       expect_sound(ends.back(), solver, tools);
     }
     // Both ends have the residual that was asked for.
     EXPECT_LT((ends[0].u - ends[1].u).norm(), 1e-8 * ends[0].u.norm());
     EXPECT_LT((ends[0].reaction - ends[1].reaction).norm(), 1e-8 * ends[0].reaction.norm());
-    EXPECT_EQ(ends[0].iterations, ends[1].iterations);
+    EXPECT_EQ(ends[0].summary.iterations, ends[1].summary.iterations);
   }
 }
 
@@ -236,7 +236,7 @@ TEST(RestFactor, OfAFloatingBodyThereIsNone) {
       expect_as(reference(solver.assembly(), patch), rest, solver.assembly());
       EXPECT_EQ(solver.work().factorisations, ++expected);
       const Equilibrium moved = solver.solve(Vec3(0.001, 0.001, 0), rest);
-      EXPECT_EQ(moved.outcome, Outcome::converged) << moved.message;
+      EXPECT_EQ(moved.outcome, Outcome::converged) << moved.summary.message;
       expect_sound(moved, solver, patch);
       if (law != Law::linear) expected = solver.work().factorisations;
     }
@@ -259,7 +259,7 @@ TEST(RestFactor, OfABodyOnSoftFeetServesAsFarAsItIsAccurate) {
       EquilibriumSolver solver(block.scene, keeping(kept));
       solver.set_interaction(BondedPatches(block.scene, 0.013).around(block.middle));
       rests.push_back(solver.rest());
-      ASSERT_EQ(rests.back().outcome, Outcome::converged) << rests.back().message;
+      ASSERT_EQ(rests.back().outcome, Outcome::converged) << rests.back().summary.message;
       factorisations.push_back(solver.work().factorisations);
     }
     EXPECT_LT((rests[0].v - rests[1].v).norm(), kRounding * rests[0].v.norm());

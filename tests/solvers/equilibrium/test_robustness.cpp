@@ -43,7 +43,7 @@ TEST_P(Robustness, CellsAMillionTimesStiffer) {
     }
     for (Index node : {block.corner, block.middle}) {
       const Equilibrium state = solve(scene, node, Vec3(0.002, -0.001, 0.003));
-      EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+      EXPECT_EQ(state.outcome, Outcome::converged) << state.summary.message;
       EXPECT_GT(state.reaction.norm(), 0);
     }
   }
@@ -54,7 +54,7 @@ TEST_P(Robustness, NearlyIncompressible) {
     const Block block = make_block(GetParam(), {order, {3, 2, 2}, 0.1, 3000, 0.499});
     for (const Vec3& t : {Vec3(-0.006, 0.004, 0), Vec3(0.01, 0.005, -0.01)}) {
       const Equilibrium state = solve(block.scene, block.corner, t);
-      EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+      EXPECT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     }
   }
 }
@@ -66,7 +66,7 @@ TEST_P(Robustness, ATinyDisplacementIsLinear) {
   for (double size : {1e-6, 1e-9, 1e-12, 1e-100}) {
     const Vec3 t = random.vector(3, size);
     const Equilibrium state = solve(block.scene, block.corner, t);
-    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     const Vec3 linear = rest.stiffness * t;
     // What the law adds to the linear force is |t| over the size of a cell, some times.
     const double nonlinear = 1000 * size / 0.03;
@@ -114,10 +114,10 @@ TEST(StVenantKirchhoff, AHardPushInvertsItAndIsFlagged) {
     EXPECT_NE(state.flags & flags::inverted, 0);
     EXPECT_LE(state.minimum_det_f, 0);
     EXPECT_GE(state.num_inverted_cells, 1);
-    EXPECT_NE(state.message.find("inverted"), std::string::npos) << state.message;
-    EXPECT_NE(state.message.find("cell " + std::to_string(state.minimum_det_f_cell)),
+    EXPECT_NE(state.summary.message.find("inverted"), std::string::npos) << state.summary.message;
+    EXPECT_NE(state.summary.message.find("cell " + std::to_string(state.minimum_det_f_cell)),
               std::string::npos)
-        << state.message;
+        << state.summary.message;
     expect_sound(state, solver, bond_nodes({block.middle}));
   }
 }

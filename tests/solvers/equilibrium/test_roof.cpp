@@ -75,7 +75,7 @@ class HingedRoof : public testing::Test {
     PathOptions options;
     options.first_step = 0.025;
     Path path = solver_->trace(Vec3(0, 0, -kWay), solver_->rest(), options);
-    EXPECT_EQ(path.end.outcome, Outcome::converged) << path.end.message;
+    EXPECT_EQ(path.end.outcome, Outcome::converged) << path.end.summary.message;
     EXPECT_DOUBLE_EQ(path.points.back().way, 1);
     return path;
   }
@@ -185,14 +185,14 @@ TEST_F(HingedRoof, ASolveBeyondTheFoldTellsOfTheJump) {
   for (double deflection : {0.0175, 0.020, kWay}) {
     SCOPED_TRACE(deflection);
     const Equilibrium state = solver_->solve(Vec3(0, 0, -deflection), rest);
-    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     EXPECT_EQ(state.negative_pivots, 0);
     EXPECT_NE(state.flags & flags::near_fold, 0);
-    EXPECT_FALSE(state.message.empty());
-    if (state.folds.size() == 1) {
-      EXPECT_NEAR(state.folds.front().t.z(), -kWay * path.folds.front().way, 1e-4);
+    EXPECT_FALSE(state.summary.message.empty());
+    if (state.summary.folds.size() == 1) {
+      EXPECT_NEAR(state.summary.folds.front().t.z(), -kWay * path.folds.front().way, 1e-4);
     } else {
-      ADD_FAILURE() << state.folds.size() << " folds were told of";
+      ADD_FAILURE() << state.summary.folds.size() << " folds were told of";
     }
     // The path's own load at that deflection, after all its turns.
     std::size_t i = path.points.size() - 1;
@@ -212,7 +212,7 @@ TEST_F(HingedRoof, ASolveThatDoesNotFollowStopsBeforeTheFold) {
   make(0.00635, 5, options);
   const Equilibrium state = solver_->solve(Vec3(0, 0, -0.018), solver_->rest());
   EXPECT_EQ(state.outcome, Outcome::not_converged);
-  EXPECT_NE(state.message.find("Stopped at"), std::string::npos) << state.message;
+  EXPECT_NE(state.summary.message.find("Stopped at"), std::string::npos) << state.summary.message;
   EXPECT_NEAR(-state.t.z(), 0.0168, 0.0003);
   expect_sound(state, *solver_, centre_);
 }

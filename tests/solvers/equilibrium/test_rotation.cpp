@@ -59,13 +59,13 @@ TEST_P(Rotation, OfTheSceneTurnsTheAnswer) {
     };
     const Vec3 t(-0.010, 0.006, -0.005);
     const Equilibrium expected = solve(block.scene, t);
-    ASSERT_EQ(expected.outcome, Outcome::converged) << expected.message;
+    ASSERT_EQ(expected.outcome, Outcome::converged) << expected.summary.message;
     for (int trial = 0; trial < 3; ++trial) {
       const Mat3 r = random.rotation();
       Scene scene = block.scene;
       for (Vec3& point : scene.mesh.points) point = r * point;
       const Equilibrium state = solve(scene, r * t);
-      ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+      ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
       EXPECT_EQ(state.flags, expected.flags);
       EXPECT_NEAR(state.energy, expected.energy, kRounding * expected.energy);
       EXPECT_NEAR(state.minimum_det_f, expected.minimum_det_f, kRounding);

@@ -29,7 +29,7 @@ Both solve(const Scene& scene, Index node, const Vec3& t) {
     EquilibriumSolver solver(scene, options);
     solver.set_interaction(bond_nodes({node}));
     const Equilibrium middle = solver.solve(0.5 * t, solver.rest());
-    EXPECT_EQ(middle.outcome, Outcome::converged) << middle.message;
+    EXPECT_EQ(middle.outcome, Outcome::converged) << middle.summary.message;
     (single ? both.single : both.full) = solver.solve(t, middle, Tangent::iterated);
   }
   return both;
@@ -37,8 +37,8 @@ Both solve(const Scene& scene, Index node, const Vec3& t) {
 
 void expect_same(const Both& both) {
   const auto& [full, single] = both;
-  ASSERT_EQ(full.outcome, Outcome::converged) << full.message;
-  ASSERT_EQ(single.outcome, Outcome::converged) << single.message;
+  ASSERT_EQ(full.outcome, Outcome::converged) << full.summary.message;
+  ASSERT_EQ(single.outcome, Outcome::converged) << single.summary.message;
   EXPECT_LE((full.u - single.u).lpNorm<Eigen::Infinity>(), 2e-8 * full.u.lpNorm<Eigen::Infinity>());
   EXPECT_LE((full.v - single.v).norm(), 3e-4 * full.v.norm());
   EXPECT_LE((full.reaction - single.reaction).norm(), 1e-7 * full.reaction.norm());
@@ -145,13 +145,13 @@ TEST(SinglePrecision, ASolveDoesNotDependOnThoseBefore) {
     EquilibriumSolver fresh = make();
     const Equilibrium first = fresh.solve(t, fresh.rest(), Tangent::factorised);
     const Equilibrium second = fresh.solve(further, first, tangent);
-    ASSERT_EQ(second.outcome, Outcome::converged) << second.message;
+    ASSERT_EQ(second.outcome, Outcome::converged) << second.summary.message;
 
     EquilibriumSolver used = make();
     const Equilibrium rest = used.rest();
     counts->single = counts->full = 0;
     const Equilibrium deep = used.solve(inverted, rest, Tangent::factorised);
-    ASSERT_EQ(deep.outcome, Outcome::converged) << deep.message;
+    ASSERT_EQ(deep.outcome, Outcome::converged) << deep.summary.message;
     EXPECT_GT(counts->full, 0);
     test::expect_same_bits(used.solve(t, rest, Tangent::factorised), first);
     test::expect_same_bits(used.solve(further, first, tangent), second);

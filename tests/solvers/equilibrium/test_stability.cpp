@@ -59,7 +59,7 @@ TEST_P(Stability, AColumnThatShouldBuckleIsUnstable) {
     const Equilibrium rest = solver.rest();
     for (double strain : {0.02, 0.4}) {
       const Equilibrium state = solver.solve(Vec3(-6 * strain, 0, 0), rest);
-      ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+      ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
       const double f = 1 - strain;
       const double force = Column::kYoungsModulus * f * (f * f - 1) / 2;
       EXPECT_LT((state.reaction - Vec3(force, 0, 0)).norm(), 1e-9 * std::abs(force));
@@ -68,7 +68,7 @@ TEST_P(Stability, AColumnThatShouldBuckleIsUnstable) {
       EXPECT_NEAR(state.minimum_det_f, f, 1e-9);
       const bool buckles = strain > 0.1;
       EXPECT_EQ((state.flags & flags::unstable) != 0, buckles) << "strain " << strain;
-      EXPECT_EQ(state.message.find("not stable") != std::string::npos, buckles);
+      EXPECT_EQ(state.summary.message.find("not stable") != std::string::npos, buckles);
       expect_sound(state, solver, column.end);
     }
   }
@@ -96,10 +96,11 @@ TEST_P(Stability, TheInertiaTellsWhereAPerfectColumnBranches) {
   const Equilibrium rest = solver.rest();
   const auto at_strain = [&](double strain) {
     const Equilibrium state = solver.solve(Vec3(-strain * length, 0, 0), rest);
-    EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+    EXPECT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     EXPECT_LT(state.u.reshaped(3, state.u.size() / 3).bottomRows(2).norm(), 1e-9) << "it has bent";
     EXPECT_EQ((state.flags & flags::unstable) != 0, state.negative_pivots > 0);
-    EXPECT_EQ(state.message.find("not stable") != std::string::npos, state.negative_pivots > 0);
+    EXPECT_EQ(state.summary.message.find("not stable") != std::string::npos,
+              state.negative_pivots > 0);
     return state;
   };
   // Where the number of negative pivots becomes more than `number`.
@@ -123,7 +124,7 @@ TEST_P(Stability, TheInertiaTellsWhereAPerfectColumnBranches) {
   options.largest_step = 1;
   const double end = 1.15 * SlenderColumn::critical_strain(SlenderColumn::kWidths[1]);
   const Path path = solver.trace(Vec3(-end * length, 0, 0), rest, options);
-  ASSERT_EQ(path.end.outcome, Outcome::converged) << path.end.message;
+  ASSERT_EQ(path.end.outcome, Outcome::converged) << path.end.summary.message;
   EXPECT_TRUE(path.folds.empty());
   for (const PathPoint& point : path.points) {
     int expected = 0;
@@ -205,11 +206,11 @@ void expect_floats(const Scene& scene, Index active, const std::string& solver_n
   solver.set_interaction(tool);
   const Equilibrium rest = solver.rest();
   EXPECT_EQ(rest.outcome, Outcome::tangent_not_factorised);
-  EXPECT_NE(rest.message.find("not held"), std::string::npos) << rest.message;
+  EXPECT_NE(rest.summary.message.find("not held"), std::string::npos) << rest.summary.message;
   expect_sound(rest, solver, tool);
   const Equilibrium state = solver.solve(Vec3(0.01, 0, 0), rest);
   EXPECT_EQ(state.outcome, Outcome::tangent_not_factorised);
-  EXPECT_FALSE(state.message.empty()) << "why there is no solution is lost";
+  EXPECT_FALSE(state.summary.message.empty()) << "why there is no solution is lost";
 }
 
 /// A block, and another beside it that nothing holds.

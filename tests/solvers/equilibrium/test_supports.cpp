@@ -76,7 +76,7 @@ TEST_P(Supports, HalfOfASymmetricBodyIsAsTheWhole) {
   EquilibriumSolver of_whole(whole, with_tolerance(1e-12));
   of_whole.set_interaction(both);
   const Equilibrium expected = of_whole.solve(of_both, of_whole.rest());
-  ASSERT_EQ(expected.outcome, Outcome::converged) << expected.message;
+  ASSERT_EQ(expected.outcome, Outcome::converged) << expected.summary.message;
 
   // Along x, and along any other axis when all is turned; without a factor too.
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix();
@@ -88,7 +88,7 @@ TEST_P(Supports, HalfOfASymmetricBodyIsAsTheWhole) {
     for (const bool has_factor : {true, false}) {
       EquilibriumSolver solver(turned, with_tolerance(has_factor ? 1e-12 : 1e-11),
                                has_factor ? make_linear_solver() : nullptr);
-      ASSERT_EQ(solver.settled().outcome, Outcome::converged) << solver.settled().message;
+      ASSERT_EQ(solver.settled().outcome, Outcome::converged) << solver.settled().summary.message;
       const NodalVector& rest = of_whole.settled().u;
       for (Index p = 0; p < half.mesh.num_points(); ++p) {
         const Eigen::Index at = 3 * Eigen::Index{p};
@@ -97,7 +97,7 @@ TEST_P(Supports, HalfOfASymmetricBodyIsAsTheWhole) {
       }
       solver.set_interaction(BondedPatch({node}));
       const Equilibrium found = solver.solve(r * t, solver.rest());
-      ASSERT_EQ(found.outcome, Outcome::converged) << found.message;
+      ASSERT_EQ(found.outcome, Outcome::converged) << found.summary.message;
       for (Index p = 0; p < half.mesh.num_points(); ++p) {
         const Eigen::Index at = 3 * Eigen::Index{p};
         ASSERT_LT((found.u.segment<3>(at) - r * expected.u.segment<3>(at)).norm(),
@@ -125,7 +125,7 @@ TEST_P(Supports, DerivativesAreThoseOfTheEnergy) {
   solver.set_interaction(BondedPatch({nearest_point(half_body(GetParam()).mesh, kSize)}));
   const Vec3 t(0.002, -0.001, -0.002);
   const Equilibrium here = solver.solve(t, solver.rest());
-  ASSERT_EQ(here.outcome, Outcome::converged) << here.message;
+  ASSERT_EQ(here.outcome, Outcome::converged) << here.summary.message;
   constexpr double kStep = 1e-5;
   const Equilibrium up = solver.solve(t + kStep * Vec3::UnitX(), here);
   const Equilibrium down = solver.solve(t - kStep * Vec3::UnitX(), here);
@@ -173,18 +173,19 @@ TEST_P(Supports, APieceWithoutAnyIsNamedBesideOneOnSprings) {
   };
   const Equilibrium loose = rest_with(nearest_point(scene.mesh, kSize));
   EXPECT_NE(loose.outcome, Outcome::converged);
-  EXPECT_NE(loose.message.find(second), std::string::npos) << loose.message;
+  EXPECT_NE(loose.summary.message.find(second), std::string::npos) << loose.summary.message;
   // A tip that holds it at one point alone lets it turn.
   const Equilibrium turns = rest_with(node);
   EXPECT_NE(turns.outcome, Outcome::converged);
-  EXPECT_NE(turns.message.find("about which it turns"), std::string::npos) << turns.message;
+  EXPECT_NE(turns.summary.message.find("about which it turns"), std::string::npos)
+      << turns.summary.message;
   // What acts before a tool comes needs each to be held.
   Scene loaded = scene;
   loaded.applied_traction.assign(loaded.fixed.size(), Vec3(0, 0, 1));
   const EquilibriumSolver of_loaded(loaded, {});
   EXPECT_NE(of_loaded.settled().outcome, Outcome::converged);
-  EXPECT_NE(of_loaded.settled().message.find(second), std::string::npos)
-      << of_loaded.settled().message;
+  EXPECT_NE(of_loaded.settled().summary.message.find(second), std::string::npos)
+      << of_loaded.settled().summary.message;
   // One that slides in its plane is told before anything is solved for.
   scene.held_directions.assign(scene.fixed.size(), HeldDirections::Zero());
   for (std::size_t p = scene.fixed.size() / 2; p < scene.fixed.size(); ++p) {
@@ -211,7 +212,7 @@ TEST_P(Supports, ARigidBlockSinksIntoItsBedByItsWeight) {
   for (const bool has_factor : {true, false}) {
     EquilibriumSolver solver(scene, {}, has_factor ? make_linear_solver() : nullptr);
     const Equilibrium& rest = solver.settled();
-    ASSERT_EQ(rest.outcome, Outcome::converged) << rest.message;
+    ASSERT_EQ(rest.outcome, Outcome::converged) << rest.summary.message;
     const double sinks = kDensity * 9.81 * kSize.z() / kBed;
     double mean = 0;
     for (Index p = 0; p < scene.mesh.num_points(); ++p) mean += rest.u[3 * p + 2];
@@ -239,7 +240,7 @@ TEST(Pressure, AnArteryOf120mmHgWidensByItsClosedForm) {
   if (!is_solvable(scene)) GTEST_SKIP() << "no linear solver that pivots was built in";
   EquilibriumSolver solver(scene, {});
   const Equilibrium& rest = solver.settled();
-  ASSERT_EQ(rest.outcome, Outcome::converged) << rest.message;
+  ASSERT_EQ(rest.outcome, Outcome::converged) << rest.summary.message;
   const double expected = inflated_radius(artery, 1) - artery.inner;
   EXPECT_GT(expected, 0.05 * artery.inner);
   for (Index p = 0; p < scene.mesh.num_points(); ++p) {
@@ -262,7 +263,7 @@ TEST(Pressure, ASphereWidensByItsClosedForm) {
   if (!is_solvable(scene)) GTEST_SKIP() << "no linear solver that pivots was built in";
   EquilibriumSolver solver(scene, {});
   const Equilibrium& rest = solver.settled();
-  ASSERT_EQ(rest.outcome, Outcome::converged) << rest.message;
+  ASSERT_EQ(rest.outcome, Outcome::converged) << rest.summary.message;
   const double expected = inflated_radius(sphere, 2) - sphere.inner;
   EXPECT_GT(expected, 0.1 * sphere.inner);
   for (Index p = 0; p < scene.mesh.num_points(); ++p) {
@@ -280,8 +281,8 @@ TEST(Pressure, ThatIsTooLargeEndsByName) {
   if (!is_solvable(scene)) GTEST_SKIP() << "no linear solver that pivots was built in";
   EquilibriumSolver solver(scene, {});
   EXPECT_NE(solver.settled().outcome, Outcome::converged);
-  EXPECT_NE(solver.settled().message.find("AppliedPressure"), std::string::npos)
-      << solver.settled().message;
+  EXPECT_NE(solver.settled().summary.message.find("AppliedPressure"), std::string::npos)
+      << solver.settled().summary.message;
   EXPECT_TRUE(solver.settled().u.allFinite());
 }
 

@@ -60,7 +60,7 @@ void check(const Block& block, const Interaction& tool) {
   solver.set_interaction(tool);
   const Equilibrium rest = solver.rest();
   for (const Equilibrium& state : {rest, solver.solve(kPull, rest)}) {
-    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     ASSERT_EQ(state.third_derivative.size(), 10);
     double spread = 0;
     const Eigen::VectorXd expected = by_differences(solver, state, spread);

@@ -51,9 +51,11 @@ Equilibrium press(const Scene& scene, const RigidTool& tool, const Vec3& end,
 
 /// Told, and the state is that of the last contact on the way.
 void expect_inside(const Equilibrium& state, const Vec3& end) {
-  EXPECT_EQ(state.outcome, Outcome::tool_inside) << state.message;
-  EXPECT_NE(state.message.find("goes through the surface"), std::string::npos) << state.message;
-  EXPECT_NE(state.message.find("edges of the mesh"), std::string::npos) << state.message;
+  EXPECT_EQ(state.outcome, Outcome::tool_inside) << state.summary.message;
+  EXPECT_NE(state.summary.message.find("goes through the surface"), std::string::npos)
+      << state.summary.message;
+  EXPECT_NE(state.summary.message.find("edges of the mesh"), std::string::npos)
+      << state.summary.message;
   EXPECT_GT((state.t - end).norm(), 0);
   EXPECT_LT(state.reaction[2], -0.01) << "it was pressed";
 }
@@ -116,7 +118,7 @@ TEST_P(ToolInside, OneOfTwoIsTold) {
 TEST_P(ToolInside, ALargeBallIsNot) {
   const Scene scene = make_coarse(GetParam());
   const Equilibrium state = press(scene, ball(0.008), at_depth(0.008, 0.008));
-  EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+  EXPECT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   EXPECT_LT(state.reaction[2], -0.5);
 }
 

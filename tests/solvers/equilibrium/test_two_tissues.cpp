@@ -79,7 +79,7 @@ double error_of(int cubes, double inner, const Material& core, const Material& s
   EquilibriumSolver solver(scene, with_tolerance(1e-10));
   solver.set_interaction(bond_nodes(held));
   const Equilibrium state = solver.solve(t, solver.rest());
-  EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+  EXPECT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   const double bulk = bulk_modulus_of_both(core, shell, core_volume / volume);
   return state.energy / (0.5 * bulk * std::pow(3 * kStrain, 2) * volume) - 1;
 }

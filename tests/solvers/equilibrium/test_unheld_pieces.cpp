@@ -59,10 +59,10 @@ std::string press(const Scene& scene, bool is_direct) {
   EquilibriumSolver solver(scene, {}, solver_named(is_direct));
   solver.set_interaction(make_sphere_for(scene));
   const Equilibrium rest = solver.rest(kAboveTheFirst + Vec3(0, 0, 0.01));
-  EXPECT_TRUE(rest.outcome == Outcome::converged || !rest.message.empty());
+  EXPECT_TRUE(rest.outcome == Outcome::converged || !rest.summary.message.empty());
   const Equilibrium state = solver.solve(kAboveTheFirst - Vec3(0, 0, 0.002), rest);
   EXPECT_TRUE(state.u.allFinite());
-  return state.outcome == Outcome::converged ? "" : state.message;
+  return state.outcome == Outcome::converged ? "" : state.summary.message;
 }
 
 bool contains(const std::string& text, const std::string& part) {
@@ -84,8 +84,8 @@ TEST(UnheldPieces, ItsWeightFindsNoRest) {
   scene.densities = {1000};
   const EquilibriumSolver solver(scene, {});
   EXPECT_NE(solver.settled().outcome, Outcome::converged);
-  EXPECT_TRUE(contains(solver.settled().message, "one of them is not held"))
-      << solver.settled().message;
+  EXPECT_TRUE(contains(solver.settled().summary.message, "one of them is not held"))
+      << solver.settled().summary.message;
 }
 
 // It follows the tool as a rigid body.
@@ -96,7 +96,7 @@ TEST(UnheldPieces, ABondedPatchHoldsOne) {
   solver.set_interaction(BondedPatches(scene, 0.011).around(node));
   const Vec3 way(0.002, 0.001, 0.003);
   const Equilibrium state = solver.solve(way, solver.rest());
-  ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+  ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   EXPECT_LE(state.reaction.norm(), 1e-10);
   const Index far = nearest_point(scene.mesh, {0, 0, 0.05});
   EXPECT_LE((state.u.segment<3>(3 * far) - way).norm(), 1e-9);

@@ -43,8 +43,8 @@ EquilibriumSolver make_iterative(const Scene& scene, const EquilibriumOptions& o
 }
 
 void expect_equal(const Equilibrium& one, const Equilibrium& other) {
-  ASSERT_EQ(one.outcome, Outcome::converged) << one.message;
-  ASSERT_EQ(other.outcome, Outcome::converged) << other.message;
+  ASSERT_EQ(one.outcome, Outcome::converged) << one.summary.message;
+  ASSERT_EQ(other.outcome, Outcome::converged) << other.summary.message;
   EXPECT_LE((one.u - other.u).norm(), kAgreement * other.u.norm());
   EXPECT_LE((one.reaction - other.reaction).norm(), kAgreement * other.reaction.norm());
   EXPECT_LE((one.stiffness - other.stiffness).norm(), kAgreement * other.stiffness.norm());
@@ -84,7 +84,7 @@ TEST_P(LawsWithoutFactor, EquilibriaAreThoseOfAFactor) {
   const Equilibrium one = iterative.solve(kPush, rest);
   const Equilibrium other = direct.solve(kPush, direct.rest());
   expect_equal(one, other);
-  EXPECT_EQ(one.flags, 0) << one.message;
+  EXPECT_EQ(one.flags, 0) << one.summary.message;
   EXPECT_GT(one.lowest_eigenvalue, 0);
   EXPECT_EQ(one.negative_pivots, 0);
   EXPECT_TRUE(std::isnan(other.lowest_eigenvalue)) << "a factor tells it better";
@@ -153,15 +153,15 @@ Column make_column() {
 
 /// Of the same state, what is known without a factor is what a factor tells.
 void expect_same_stability(const Equilibrium& state, const Equilibrium& exact) {
-  ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
-  ASSERT_EQ(exact.outcome, Outcome::converged) << exact.message;
+  ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
+  ASSERT_EQ(exact.outcome, Outcome::converged) << exact.summary.message;
   EXPECT_LE((state.reaction - exact.reaction).norm(), kAgreement * exact.reaction.norm());
   EXPECT_LE((state.stiffness - exact.stiffness).norm(), kAgreement * exact.stiffness.norm());
   const bool is_unstable = exact.negative_pivots > 0;
   EXPECT_EQ((state.flags & flags::unstable) != 0, is_unstable);
   EXPECT_EQ(state.lowest_eigenvalue < 0, is_unstable);
   EXPECT_LE(state.negative_pivots, exact.negative_pivots) << "there are so many or more";
-  EXPECT_EQ(state.message.find("not stable") != std::string::npos, is_unstable);
+  EXPECT_EQ(state.summary.message.find("not stable") != std::string::npos, is_unstable);
 }
 
 TEST(WithoutFactor, AColumnThatShouldBuckleIsToldUnstable) {
@@ -248,7 +248,7 @@ TEST(WithoutFactor, TheInertiaOfAPerfectColumnIsThatOfAFactorAtEachOfItsBranchin
   for (const double strain : {0.001, 0.004, 0.0052, 0.00524, 0.006, 0.0079, 0.0083, 0.011, 0.03}) {
     SCOPED_TRACE(strain);
     const Equilibrium state = direct.solve(Vec3(-strain * kLength, 0, 0), rest);
-    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     expect_same_inertia(system, state);
     most = std::max(most, state.negative_pivots);
   }
@@ -304,7 +304,7 @@ TEST(WithoutFactor, SlenderThinAndStiffBodiesEndRightOrByName) {
     const Equilibrium exact = direct.solve(t, direct.rest());
     const Equilibrium state = iterative.solve(t, iterative.rest());
     ASSERT_EQ(exact.outcome, Outcome::converged) << each.name;
-    ASSERT_EQ(state.outcome, Outcome::converged) << each.name << ": " << state.message;
+    ASSERT_EQ(state.outcome, Outcome::converged) << each.name << ": " << state.summary.message;
     EXPECT_LE((state.reaction - exact.reaction).norm(), 1e-7 * exact.reaction.norm()) << each.name;
     EXPECT_LE((state.stiffness - exact.stiffness).norm(), 1e-7 * exact.stiffness.norm())
         << each.name;
@@ -323,7 +323,8 @@ TEST(WithoutFactor, APlateThatIsTooThinIsSaid) {
   solver.set_interaction(bond_nodes({node}));
   const Equilibrium rest = solver.rest();
   EXPECT_EQ(rest.outcome, Outcome::tangent_not_solved);
-  EXPECT_NE(rest.message.find("Choose the linear solver MUMPS"), std::string::npos) << rest.message;
+  EXPECT_NE(rest.summary.message.find("Choose the linear solver MUMPS"), std::string::npos)
+      << rest.summary.message;
   EXPECT_TRUE(rest.u.allFinite() && rest.v.allFinite());
 }
 
@@ -335,7 +336,8 @@ TEST(WithoutFactor, ABodyThatIsNotHeldIsSaid) {
   solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium rest = solver.rest();
   EXPECT_EQ(rest.outcome, Outcome::tangent_not_solved);
-  EXPECT_NE(rest.message.find("Fix three points"), std::string::npos) << rest.message;
+  EXPECT_NE(rest.summary.message.find("Fix three points"), std::string::npos)
+      << rest.summary.message;
   EXPECT_TRUE(rest.u.allFinite());
 }
 
@@ -349,7 +351,7 @@ TEST(WithoutFactor, HardPushesEndWithAnOutcome) {
       const Equilibrium state =
           solver.solve(length * Vec3(-1, 0.2, 0.1), solver.rest(), Tangent::iterated);
       EXPECT_TRUE(state.u.allFinite() && state.reaction.allFinite());
-      EXPECT_TRUE(state.outcome == Outcome::converged || !state.message.empty());
+      EXPECT_TRUE(state.outcome == Outcome::converged || !state.summary.message.empty());
       expect_sound(state, solver, tool);
     }
   }

@@ -74,14 +74,14 @@ TEST_F(BondedPatchTest, PointsOfAPatchMoveAsOneAndTheirForcesAddUp) {
   EquilibriumSolver solver(block_.scene, {});
   solver.set_interaction(patch);
   const Equilibrium tip = solver.solve(t, solver.rest());
-  ASSERT_EQ(tip.outcome, Outcome::converged) << tip.message;
+  ASSERT_EQ(tip.outcome, Outcome::converged) << tip.summary.message;
   for (const Index p : patch.points()) EXPECT_EQ(tip.u.segment<3>(3 * p), t);
 
   // The same with a tool at each point.
   solver.set_interaction(bond_nodes(patch.points()));
   const auto n = static_cast<Eigen::Index>(patch.points().size());
   const Equilibrium apart = solver.solve(t.replicate(n, 1), solver.rest());
-  ASSERT_EQ(apart.outcome, Outcome::converged) << apart.message;
+  ASSERT_EQ(apart.outcome, Outcome::converged) << apart.summary.message;
   Vec3 sum = Vec3::Zero();
   Mat3 stiffness = Mat3::Zero();
   for (Eigen::Index a = 0; a < n; ++a) {
@@ -136,7 +136,7 @@ TEST_F(BondedPatchTest, ForcesAndStiffnessOfSeveralToolsAreDerivativesOfTheEnerg
     Eigen::VectorXd t(6);
     t << 0.004, 0.002, -0.003, -0.001, 0.0035, 0.002;
     const Equilibrium state = solver.solve(t, solver.rest());
-    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     const auto moved = [&](Eigen::Index i, double step) {
       return solver.solve(t + step * Eigen::VectorXd::Unit(6, i), state);
     };

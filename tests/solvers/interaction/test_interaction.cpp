@@ -32,7 +32,7 @@ TEST(Spring, IsFeltTogetherWithTheBody) {
   EXPECT_LT((rest.stiffness - expected).norm(), kSolved * expected.norm());
   const Vec3 q(0.01, -0.005, 0.002);
   const Equilibrium pulled = solver.solve(q, rest);
-  ASSERT_EQ(pulled.outcome, Outcome::converged) << pulled.message;
+  ASSERT_EQ(pulled.outcome, Outcome::converged) << pulled.summary.message;
   EXPECT_LT((pulled.reaction - expected * q).norm(), kSolved * (expected * q).norm());
   EXPECT_NEAR(pulled.energy, q.dot(expected * q) / 2, kSolved * pulled.energy);
 }
@@ -45,7 +45,7 @@ TEST(Spring, ThatIsStiffBondsTheNodeInALargeDeformation) {
   const auto solve = [&](const Interaction& tool) {
     solver.set_interaction(tool);
     Equilibrium state = solver.solve(q, solver.rest());
-    EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+    EXPECT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     return state;
   };
   const Equilibrium bonded = solve(BondedPatch({block.corner}));

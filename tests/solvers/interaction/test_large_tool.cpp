@@ -93,7 +93,7 @@ TEST(LargeTool, APlateGivesUniaxialStress) {
   Press press(scene, plate, 0.015);
   for (const double depth : {0.001, 0.002}) {
     const Equilibrium state = press.at(depth);
-    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     const double expected = uniaxial_force(depth, press.law());
     // The layer presses the sides of the block too, as far down as it reaches.
     EXPECT_NEAR(-state.reaction[2], expected, 0.01 * expected);
@@ -112,7 +112,7 @@ TEST(LargeTool, AThinPlateNeedsNoThicknessOfTheUser) {
     EXPECT_GT(press.law().thickness, kThicknessOfRadius * 0.5 * thickness);
     constexpr double kDepth = 0.002;
     const Equilibrium state = press.at(kDepth);
-    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     const double expected = uniaxial_force(kDepth, press.law());
     EXPECT_NEAR(-state.reaction[2], expected, 0.01 * expected);
   }
@@ -127,7 +127,7 @@ TEST(LargeTool, AVeryLargeBallIsAPlate) {
   ball.law.thickness = kThickness;
   Press press(make_pressed_block(), ball, kRadius);
   const Equilibrium state = press.at(kDepth);
-  ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+  ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   const double expected = uniaxial_force(kDepth, press.law());
   const double dent = kSize.head<2>().squaredNorm() / (8 * kRadius);
   EXPECT_NEAR(-state.reaction[2], expected, (dent / kDepth + 1e-3) * expected);
@@ -154,7 +154,7 @@ TEST(LargeTool, TheForceIsTheDerivativeOfTheEnergy) {
     const Equilibrium less = press.at(kDepth - kStep);
     const Equilibrium more = press.at(kDepth + kStep);
     for (const Equilibrium& state : {middle, less, more}) {
-      ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+      ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     }
     // The difference is wrong by kStep²/6 of the third derivative.
     EXPECT_NEAR((less.energy - more.energy) / (2 * kStep), middle.reaction[2],

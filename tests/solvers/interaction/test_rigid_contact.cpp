@@ -137,7 +137,7 @@ TEST_P(AnyShape, AwayFromTheBodyNothingIsFeltAndNothingIsSolved) {
   const Equilibrium rest = solver.rest(above(0.02));
   const Equilibrium near = solver.solve(above(kThickness + 0.001), rest);
   for (const Equilibrium& state : {rest, near}) {
-    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
     EXPECT_EQ(state.energy, 0);
     EXPECT_TRUE(state.u.isZero(0));
     EXPECT_TRUE(state.reaction.isZero(0));
@@ -190,7 +190,7 @@ TEST_P(AnyBody, ForceStiffnessAndThirdDerivativeAreDerivativesOfTheEnergy) {
   solver.set_interaction(contact_with(block.scene, shape_of(c.shape)));
   const Vec3 q = above(-0.004) + Vec3(0.003, -0.002, 0);
   const Equilibrium state = solver.solve(q, solver.rest(above(kThickness + 0.001)));
-  ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+  ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   ASSERT_GT(state.energy, 0);
   EXPECT_LT(state.reaction[2], 0) << "it is pressed down";
 
@@ -213,7 +213,7 @@ TEST_P(AnyBody, ForceStiffnessAndThirdDerivativeAreDerivativesOfTheEnergy) {
   constexpr double kDifference = 2e-6;
   const auto moved = [&](Eigen::Index i, double step) {
     Equilibrium other = solver.solve(q + step * Vec3::Unit(i), state);
-    EXPECT_EQ(other.outcome, Outcome::converged) << other.message;
+    EXPECT_EQ(other.outcome, Outcome::converged) << other.summary.message;
     return other;
   };
   Eigen::Matrix3d third[3];

@@ -68,7 +68,7 @@ TEST_P(OfLaw, ACompleteBasisGivesTheEquilibriaOfTheWholeBody) {
     d << 1, 0.3, -0.5, 0.2, -1, 0.4;
     d *= size;
     const Equilibrium exact = solver.solve(d, solver.rest());
-    ASSERT_EQ(exact.outcome, Outcome::converged) << exact.message;
+    ASSERT_EQ(exact.outcome, Outcome::converged) << exact.summary.message;
     ASSERT_EQ(reduced.step(d.data()).outcome, ReducedOutcome::converged) << size;
     EXPECT_LT((reduced.force() - exact.reaction).norm(), 1e-7 * exact.reaction.norm());
     const NodalVector u = held.whole.basis * reduced.coordinates();
@@ -96,7 +96,7 @@ TEST_P(OfLaw, UnderGravityItsEquilibriaAreThoseOfTheWholeBodyToo) {
   d << 1, 0.3, -0.5, 0.2, -1, 0.4;
   d *= 0.008;
   const Equilibrium exact = solver.solve(d, solver.rest());
-  ASSERT_EQ(exact.outcome, Outcome::converged) << exact.message;
+  ASSERT_EQ(exact.outcome, Outcome::converged) << exact.summary.message;
   ASSERT_EQ(reduced.step(d.data()).outcome, ReducedOutcome::converged);
   EXPECT_LT((reduced.force() - exact.reaction).norm(), 1e-7 * exact.reaction.norm());
   const NodalVector u = held.whole.rest + held.whole.basis * reduced.coordinates();
@@ -256,7 +256,7 @@ TEST_P(OfLaw, AToolThatIsLetGoIsAsIfItWereNotThere) {
     d << 1, 0.3, -0.5, std::numeric_limits<double>::quiet_NaN(), -1, 0.4;
     d *= size;
     const Equilibrium exact = solver.solve(d.head<3>(), solver.rest());
-    ASSERT_EQ(exact.outcome, Outcome::converged) << exact.message;
+    ASSERT_EQ(exact.outcome, Outcome::converged) << exact.summary.message;
     ASSERT_EQ(reduced.step(d.data()).outcome, ReducedOutcome::converged) << size;
     EXPECT_LT((reduced.force().head<3>() - exact.reaction).norm(), 1e-7 * exact.reaction.norm());
     EXPECT_EQ(reduced.force().tail<3>(), Vec3::Zero());
@@ -279,7 +279,7 @@ TEST_P(OfLaw, ASpringLeadsAToolToWhereItsForceIsThatOfTheBody) {
   EXPECT_EQ(d.tail<3>(), place.tail<3>());
   EXPECT_GT((place - d).norm(), 1e-4);
   const Equilibrium exact = solver.solve(d, solver.rest());
-  ASSERT_EQ(exact.outcome, Outcome::converged) << exact.message;
+  ASSERT_EQ(exact.outcome, Outcome::converged) << exact.summary.message;
   EXPECT_LT((reduced.force() - exact.reaction).norm(), 1e-7 * exact.reaction.norm());
   EXPECT_LT((reduced.force().head<3>() - stiffness * (place - d).head<3>()).norm(),
             1e-9 * exact.reaction.norm());

@@ -68,7 +68,8 @@ std::vector<LayerPress> press_layer(const BondedLayer& layer, const Scene& scene
       now = std::min(now + kStep, depth);
       state = solver.solve(place(now), state);
       if (state.outcome != Outcome::converged) {
-        throw InputError("The sphere at " + std::to_string(now) + " radii: " + state.message);
+        throw InputError("The sphere at " + std::to_string(now) +
+                         " radii: " + state.summary.message);
       }
     }
     const Vec3 force = options.sectors * state.reaction.z() * Vec3::UnitZ();

@@ -33,7 +33,7 @@ Equilibrium push(EquilibriumSolver& solver, double height, double thickness) {
     now = std::max(now - kPush * thickness, height);
     state = solver.solve(Vec3(0, 0, now), state);
     if (state.outcome != Outcome::converged) {
-      throw InputError("The sphere at " + std::to_string(now) + " m: " + state.message);
+      throw InputError("The sphere at " + std::to_string(now) + " m: " + state.summary.message);
     }
   }
   return state;

@@ -175,8 +175,8 @@ class ReplaySolver final : public StateSolver {
     if (c.has_third_derivative()) e.third_derivative = c.third_derivative;
     e.outcome = c.outcome;
     e.flags = c.flags & ~flags::beyond_force_limit;
-    e.iterations = c.iterations;
-    e.seconds = c.seconds;
+    e.summary.iterations = c.iterations;
+    e.summary.seconds = c.seconds;
     return e;
   }
   [[nodiscard]] static Equilibrium aborted() {

@@ -91,7 +91,7 @@ SlidingResult slide(const SlidingOptions& options) {
   const auto solve = [&](const Vec3& place, const Equilibrium& from) {
     Equilibrium state = solver.solve(place, from);
     if (state.outcome != Outcome::converged)
-      throw InputError("The sliding sphere: " + state.message);
+      throw InputError("The sliding sphere: " + state.summary.message);
     return state;
   };
   const Vec3 step = kSlidingStep * Vec3(0.8, 0.6, 0);

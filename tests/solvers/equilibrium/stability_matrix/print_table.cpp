@@ -24,7 +24,7 @@ void print_row(const Case& one) {
   const double condition = result.solver->condition(state);
   std::printf("| %s | %s | %s | %s | %d | %.1e | %.3g | %.1e | %.3f |\n", one.name.c_str(),
               expected.c_str(), to_string(state.outcome).c_str(),
-              flags_to_string(state.flags).c_str(), result.iterations, state.residual,
+              flags_to_string(state.flags).c_str(), result.iterations, state.summary.residual,
               state.minimum_det_f, condition, result.seconds);
 }
 

@@ -25,7 +25,7 @@ std::string compare(const Expected& expected, const Result& result) {
   if (is_among && !lacks && !too_many) return "";
   const std::string told_text = flags_to_string(told);
   return to_string(outcome) + (told_text.empty() ? "" : ", " + told_text) + ": " +
-         result.state.message;
+         result.state.summary.message;
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ Result run(const Case& one) {
     result.state = result.solver->rest();
     for (const Eigen::VectorXd& t : result.problem.way) {
       Equilibrium next = result.solver->solve(t, result.state);
-      result.iterations += next.iterations;
+      result.iterations += next.summary.iterations;
       result.state = std::move(next);
       if (result.state.outcome != Outcome::converged) break;
     }
@@ -54,7 +54,7 @@ Result run(const Case& one) {
   }
   result.seconds = seconds_since(start);
   if (!result.refused) {
-    result.message = result.state.message;
+    result.message = result.state.summary.message;
     result.faults = faults(result.state, result.solver->assembly(), result.problem.tools,
                            options.tolerance, &result.problem.scene.mesh);
     if (result.state.outcome == Outcome::converged && result.state.t != result.problem.way.back()) {

@@ -133,7 +133,7 @@ TEST(PoissonsRatio, NothingLocks) {
       EquilibriumSolver solver(block.scene, {});
       solver.set_interaction(bond_nodes({block.corner}));
       const Equilibrium state = solver.solve(Vec3(0.01, 0, 0), solver.rest());
-      EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+      EXPECT_EQ(state.outcome, Outcome::converged) << state.summary.message;
       return state.reaction.x();
     };
     const double incompressible = force(Law::mooney_rivlin_incompressible, 0.5);
@@ -170,7 +170,7 @@ TEST(Slivers, PassThePatchTest) {
           make_scene(mesh, make_isotropic(Law::neo_hookean, 3000, 0.35), fixed), {});
       solver.set_interaction(bond_nodes(held));
       const Equilibrium state = solver.solve(t, solver.rest());
-      ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+      ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
       for (Index p = 0; p < mesh.num_points(); ++p) {
         EXPECT_LT((state.u.segment<3>(3 * p) - h * mesh.points[p]).norm(), 1e-9 * kSize) << p;
       }
@@ -193,7 +193,7 @@ TEST(Twist, TheWayMatters) {
     const Equilibrium twisted = run(*other).state;
     if (twisted.outcome != Outcome::converged) {
       // St. Venant–Kirchhoff alone may not bear it.
-      EXPECT_GT(other->expected.outcomes.size(), 1U) << one.name << ": " << twisted.message;
+      EXPECT_GT(other->expected.outcomes.size(), 1U) << one.name << ": " << twisted.summary.message;
       continue;
     }
     ++compared;
@@ -217,7 +217,7 @@ Equilibrium pull_in_units(ElementOrder order, Law law, double length, double mod
   EquilibriumSolver solver(block.scene, options);
   solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium state = solver.solve(length * Vec3(0.012, 0.006, -0.01), solver.rest());
-  EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+  EXPECT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   return state;
 }
 
@@ -249,9 +249,9 @@ TEST_P(Units, PowersOfTwoDoNotChangeABit) {
         EXPECT_TRUE(in_units(2, 1) * state.reaction == expected.reaction);
         EXPECT_TRUE(in_units(1, 1) * state.stiffness == expected.stiffness);
         EXPECT_EQ(in_units(3, 1) * state.energy, expected.energy);
-        EXPECT_EQ(state.residual, expected.residual);
+        EXPECT_EQ(state.summary.residual, expected.summary.residual);
         EXPECT_EQ(state.minimum_det_f, expected.minimum_det_f);
-        EXPECT_EQ(state.iterations, expected.iterations);
+        EXPECT_EQ(state.summary.iterations, expected.summary.iterations);
       }
     }
   }

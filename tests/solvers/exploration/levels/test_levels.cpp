@@ -40,7 +40,7 @@ Folds trace_folds(const Scene& scene, const BondedPatches& patches, Index node) 
   PathOptions options;
   options.first_step = 0.01;
   const Path path = solver.trace(Vec3(0, 0, -kWay), solver.rest(), options);
-  EXPECT_EQ(path.end.outcome, Outcome::converged) << path.end.message;
+  EXPECT_EQ(path.end.outcome, Outcome::converged) << path.end.summary.message;
   Folds folds;
   EXPECT_EQ(path.folds.size(), 1U);
   if (!path.folds.empty()) folds.down = kWay * path.folds.front().way;
