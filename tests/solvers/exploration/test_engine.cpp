@@ -122,7 +122,8 @@ TEST(SimulatedEngine, ADamagedMessageIsRefusedOrPossible) {
   for (int i = 0; i < 400; ++i) {
     const auto damaged = static_cast<int>(mix(++random) % static_cast<unsigned>(messages));
     const auto change = [&](Bytes& m) {
-      m[mix(++random) % m.size()] = static_cast<std::byte>(mix(++random) % 256);
+      const std::size_t place = mix(++random) % m.size();
+      m[place] = static_cast<std::byte>(mix(++random) % 256);
     };
     EXPECT_NO_THROW((void)run_with_damage(recordings, damaged, is_refused, change)) << i;
     refused += is_refused ? 1 : 0;
