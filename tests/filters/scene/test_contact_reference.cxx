@@ -103,7 +103,7 @@ TEST_P(ContactReference, IsReached) {
   }
   const Vec3 centre = Vector(expected.at("centre"));
   const Equilibrium state = Move(solver, centre, Move(solver, deep, solver.rest(start)));
-  ASSERT_EQ(state.outcome, palpate::Outcome::converged) << state.message;
+  ASSERT_EQ(state.outcome, palpate::Outcome::converged) << state.summary.message;
 
   const Vec3 force = Vector(expected.at("force"));
   EXPECT_LT((state.reaction - force).norm(), kAgreement * force.norm());
