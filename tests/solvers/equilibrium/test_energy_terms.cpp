@@ -99,7 +99,7 @@ class EnergyTerms : public testing::TestWithParam<bool> {
   Block block_ = make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 2}});
 };
 INSTANTIATE_TEST_SUITE_P(Each, EnergyTerms, testing::Bool(),
-                         [](const auto& info) { return info.param ? "Direct" : "Krylov"; });
+                         [](const auto& tested) { return tested.param ? "Direct" : "Krylov"; });
 
 /// Compares force and tangent of a whole system with differences of energy and force.
 void expect_derivatives_of(const Scene& scene, const EnergyTerm& term, const Interaction& tool) {
