@@ -93,6 +93,8 @@ class ReplaySolver final : public StateSolver {
       // An attempt that failed: what all of them took is the time of the last one.
       Equilibrium failed;
       failed.t = start.t;
+      failed.reaction = Vec3::Zero();
+      failed.stiffness = Mat3::Zero();
       return failed;
     }
     double seconds = c.seconds;
@@ -181,6 +183,9 @@ class ReplaySolver final : public StateSolver {
   }
   [[nodiscard]] static Equilibrium aborted() {
     Equilibrium e;
+    e.t = Vec3::Zero();
+    e.reaction = Vec3::Zero();
+    e.stiffness = Mat3::Zero();
     e.outcome = Outcome::aborted;
     return e;
   }
