@@ -95,6 +95,11 @@ std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions
                                      InteractionFactory& tools) {
   PieceSupport(scene.mesh, holding_points(scene)).require_held({});
   const ContactOptions& contact = *options.contact;
+  if (contact.tool.motion != ToolMotion::translated) {
+    throw InputError(
+        "The tool is moved otherwise than translated, and a state space does not say how. Choose "
+        "the motion Translated.");
+  }
   if (contact.shell.depth > 0) {
     check_resolved(scene.mesh, "The depth (Depth)", contact.shell.depth);
   }

@@ -142,6 +142,8 @@ void for_each_part(RigidTool& tool, Visit&& visit) {
   visit(tool.length);
   visit(tool.points);
   visit(tool.triangles);
+  visit(tool.motion);
+  visit(tool.motion_numbers);
   visit(tool.law);
 }
 template <class Visit>

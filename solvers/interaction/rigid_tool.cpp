@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
+#include "interaction/motion_kind.h"
 #include "interaction/shape_kind.h"
 #include "mesh/resolved_length.h"
 
@@ -116,7 +117,8 @@ RigidContact make_contact(const Scene& scene, const RigidTool& tool) {
   check_size(scene.mesh, tool, *shape);
   auto surface =
       std::make_shared<const ContactSurface>(scene, kSpacingOfThickness * tool.law.thickness);
-  return {std::move(surface), std::move(shape), tool.law};
+  return {std::move(surface), std::move(shape), tool.law,
+          motion_kind(tool.motion).make(tool.motion_numbers)};
 }
 
 std::string name_of(const RigidTool& tool) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A rigid tool in numbers that can be stored: its shape, and how it presses.
+// A rigid tool in numbers that can be stored: its shape, how it is moved, and how it presses.
 #pragma once
 
 #include <array>
@@ -15,6 +15,7 @@ namespace palpate {
 
 /// The numbers are stored: keep them.
 enum class ToolShape : std::int32_t { sphere = 0, capsule = 1, surface = 2 };
+enum class ToolMotion : std::int32_t { translated = 0 };
 
 struct RigidTool {
   ToolShape shape = ToolShape::sphere;
@@ -26,11 +27,15 @@ struct RigidTool {
   /// Of a closed surface, about the tool's centre, m, see ToolSurface.
   std::vector<Vec3> points;
   std::vector<std::array<Index, 3>> triangles;
+  /// How its coordinates move it, and the numbers of that kind of motion (motion_kind.h).
+  ToolMotion motion = ToolMotion::translated;
+  std::vector<double> motion_numbers;
   ContactLaw law;
 
   [[nodiscard]] friend bool operator==(const RigidTool& a, const RigidTool& b) {
     return a.shape == b.shape && a.radius == b.radius && a.axis == b.axis && a.length == b.length &&
-           a.points == b.points && a.triangles == b.triangles && a.law == b.law;
+           a.points == b.points && a.triangles == b.triangles && a.motion == b.motion &&
+           a.motion_numbers == b.motion_numbers && a.law == b.law;
   }
 };
 
@@ -69,8 +74,9 @@ inline constexpr double kCalibratedDepth = 0.07;
 [[nodiscard]] double mean_contact_modulus(const Scene& scene);
 
 /// The contact of a tool with a body.
-/// @throws InputError a shape that is none, see make_capsule() and RigidSurface; a thickness or
-///   stiffness that is not positive, or too thin a layer for the mesh, see ContactSurface.
+/// @throws InputError a shape that is none, see make_capsule() and RigidSurface; a motion that is
+///   none; a thickness or stiffness that is not positive, or too thin a layer for the mesh, see
+///   ContactSurface.
 [[nodiscard]] RigidContact make_contact(const Scene& scene, const RigidTool& tool);
 
 /// Which it is, for a message: "the sphere of radius 0.01 m".

@@ -24,14 +24,32 @@ std::vector<BoxTree::Box> boxes_of(const std::vector<Vec3>& points) {
   return boxes;
 }
 
+Mat3 rotation_of(const PoseMap& pose) {
+  if (pose.num_coordinates() == 3) {
+    const PoseJet at = pose.evaluate(Vec3::Zero(), 1);
+    const bool is_place = at.place == Vec3::Zero() && at.place_by[0] == Vec3::UnitX() &&
+                          at.place_by[1] == Vec3::UnitY() && at.place_by[2] == Vec3::UnitZ();
+    if (is_place && !at.turns) return at.rotation;
+  }
+  throw InputError(
+      "The tool turns as it moves, or its coordinates are not the place of its centre. The way on "
+      "which such a tool comes to a body is not found. Choose another motion of the tool.");
+}
+
+std::vector<RigidShape::Ball> turned(std::vector<RigidShape::Ball> balls, const Mat3& rotation) {
+  for (RigidShape::Ball& ball : balls) ball.centre = rotation * ball.centre;
+  return balls;
+}
+
 }  // namespace
 
 ToolClearance::ToolClearance(const Scene& scene, const RigidContact& contact)
     : shape_(contact.shape_ptr()),
+      rotation_(rotation_of(contact.pose())),
       surface_(contact.surface_ptr()),
       margin_(contact.law().reach() + 2 * shape_->error()),
       body_(points_at_rest(scene), boundary_triangles(scene.mesh)),
-      balls_(shape_->balls()),
+      balls_(turned(shape_->balls(), rotation_)),
       is_large_(2 * shape_->bounding_radius() > body_.bounds().diagonal().norm()),
       points_(contact.surface().places(points_at_rest(scene))),
       tree_(boxes_of(points_)) {
@@ -48,10 +66,10 @@ ToolClearance::Deepest ToolClearance::deepest_of_body(const Vec3& q) const {
   Deepest deepest{std::numeric_limits<double>::infinity(), -1};
   double squared = deepest.gap;
   tree_.for_near(q, squared, [&](Index place) {
-    const double gap = shape_->value(points_[static_cast<std::size_t>(place)] - q);
-    if (!(gap < deepest.gap)) return;
-    deepest = {gap, place};
-    const double farthest = std::max(gap + reach, 0.0);
+    const double distance = gap(points_[static_cast<std::size_t>(place)], q);
+    if (!(distance < deepest.gap)) return;
+    deepest = {distance, place};
+    const double farthest = std::max(distance + reach, 0.0);
     squared = farthest * farthest;
   });
   return deepest;
@@ -66,8 +84,9 @@ double ToolClearance::clearance(const Vec3& q) const {
 
 bool ToolClearance::is_inside(const Vec3& q) const {
   const std::vector<Vec3> places = shape_->inner_places();
-  return std::any_of(places.begin(), places.end(),
-                     [&](const Vec3& place) { return body_.nearest(q + place).distance < 0; });
+  return std::any_of(places.begin(), places.end(), [&](const Vec3& place) {
+    return body_.nearest(q + rotation_ * place).distance < 0;
+  });
 }
 
 ToolClearance::Approach ToolClearance::approach(const Vec3& q) const {
@@ -96,7 +115,7 @@ void ToolClearance::deepen(const Vec3& q, Approach& approach) const {
   const Deepest of_body = deepest_of_body(q);
   if (of_body.place < 0 || !(-of_body.gap > approach.depth)) return;
   const Vec3& place = points_[static_cast<std::size_t>(of_body.place)];
-  const Vec3 away = -shape_->evaluate(place - q, 1).gradient;
+  const Vec3 away = -gap_gradient(place, q);
   // Beyond the layer a shape may have none.
   if (!(away.norm() > kUsableGradient)) return;
   approach.depth = -of_body.gap;
@@ -118,7 +137,7 @@ std::vector<Vec3> ToolClearance::directions_out(const Vec3& q) const {
     for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * Vec3::Unit(k));
   }
   // Across a plate, whichever way it lies.
-  const Vec3 across = shape_->evaluate(body_.bounds().center() - q, 1).gradient;
+  const Vec3 across = gap_gradient(body_.bounds().center(), q);
   if (across.norm() > kUsableGradient) {
     for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * across.normalized());
   }
@@ -177,7 +196,11 @@ std::optional<Vec3> ToolClearance::find_start(const Vec3& q) const {
 
 Eigen::AlignedBox3d ToolClearance::bounds() const {
   const Eigen::AlignedBox3d body = body_.bounds();
-  const Eigen::AlignedBox3d tool = shape_->bounds();
+  Eigen::AlignedBox3d tool;
+  for (int corner = 0; corner < 8; ++corner) {
+    tool.extend(rotation_ *
+                shape_->bounds().corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  }
   const Vec3 margin = Vec3::Constant(margin_);
   return {body.min() - tool.max() - margin, body.max() - tool.min() + margin};
 }

@@ -24,6 +24,8 @@ namespace palpate {
 class ToolClearance {
  public:
   /// @param scene With its body at rest, where it has a body force. @param contact With its body.
+  /// @throws InputError the tool turns as it moves, or its coordinates are not the place of its
+  ///   centre.
   ToolClearance(const Scene& scene, const RigidContact& contact);
 
   /// How far the tool at q may be moved in any direction without touching the body at rest, at the
@@ -83,12 +85,23 @@ class ToolClearance {
   /// Directions in which a large tool may be clear of the body soon.
   [[nodiscard]] std::vector<Vec3> directions_out(const Vec3& q) const;
 
+  /// The signed distance to the tool at q of a place, m, and its gradient.
+  [[nodiscard]] double gap(const Vec3& place, const Vec3& q) const {
+    return shape_->value(rotation_.transpose() * (place - q));
+  }
+  [[nodiscard]] Vec3 gap_gradient(const Vec3& place, const Vec3& q) const {
+    return rotation_ * shape_->evaluate(rotation_.transpose() * (place - q), 1).gradient;
+  }
+
   RigidShapePtr shape_;
+  /// Of the tool, wherever it is.
+  Mat3 rotation_;
   std::shared_ptr<const ContactSurface> surface_;
   /// The reach of the layer of contact and twice the error of the shape, m: what the shape
   /// gives for two places differs by no more than their distance and that.
   double margin_;
   SurfaceTree body_;
+  /// Those of the shape, in the axes of the scene.
   std::vector<RigidShape::Ball> balls_;
   /// Whether the tool is larger than the body.
   bool is_large_;

@@ -2,9 +2,8 @@
 #include "interaction/tool_kind.h"
 
 #include <utility>
-#include <vector>
 
-#include "base/error.h"
+#include "interaction/kind_list.h"
 
 namespace palpate {
 namespace {
@@ -55,39 +54,17 @@ class RigidKind final : public ToolKind {
   }
 };
 
-using ToolKinds = std::vector<std::unique_ptr<const ToolKind>>;
-
-ToolKinds& kinds_of_tools() {
-  static ToolKinds all = [] {
-    ToolKinds built_in;
-    built_in.push_back(std::make_unique<BondedKind>());
-    built_in.push_back(std::make_unique<RigidKind>());
-    return built_in;
-  }();
+KindList<ToolKind>& kinds_of_tools() {
+  static KindList<ToolKind> all("a kind of tool", "A tool is of the unknown kind",
+                                std::make_unique<const BondedKind>(),
+                                std::make_unique<const RigidKind>());
   return all;
-}
-
-const ToolKind* find_tool_kind(InteractionKind number) {
-  for (const auto& kind : kinds_of_tools()) {
-    if (kind->number() == number) return kind.get();
-  }
-  return nullptr;
 }
 
 }  // namespace
 
-const ToolKind& tool_kind(InteractionKind number) {
-  if (const ToolKind* kind = find_tool_kind(number)) return *kind;
-  throw InputError("A tool is of the unknown kind " + std::to_string(static_cast<int>(number)) +
-                   ". The file was damaged, or made by a later version.");
-}
+const ToolKind& tool_kind(InteractionKind number) { return kinds_of_tools().get(number); }
 
-void add_tool_kind(std::unique_ptr<const ToolKind> kind) {
-  if (find_tool_kind(kind->number()) != nullptr) {
-    throw InputError("There is a kind of tool with the number " +
-                     std::to_string(static_cast<int>(kind->number())) + " already.");
-  }
-  kinds_of_tools().push_back(std::move(kind));
-}
+void add_tool_kind(std::unique_ptr<const ToolKind> kind) { kinds_of_tools().add(std::move(kind)); }
 
 }  // namespace palpate

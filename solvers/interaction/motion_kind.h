@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a rigid tool that is stored (rigid_tool.h) is moved: what its numbers mean for each kind of
+// motion, which makes the map from coordinates to poses (pose_map.h).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "interaction/pose_map.h"
+#include "interaction/rigid_tool.h"
+
+namespace palpate {
+
+class MotionKind {
+ public:
+  virtual ~MotionKind() = default;
+  MotionKind(const MotionKind&) = delete;
+  MotionKind& operator=(const MotionKind&) = delete;
+
+  /// The number by which it is stored.
+  [[nodiscard]] virtual ToolMotion number() const = 0;
+  /// @throws InputError the numbers are not those of such a motion.
+  [[nodiscard]] virtual PoseMapPtr make(const std::vector<double>& numbers) const = 0;
+
+ protected:
+  MotionKind() = default;
+};
+
+/// The kind of a number.
+/// @throws InputError there is none.
+[[nodiscard]] const MotionKind& motion_kind(ToolMotion number);
+
+/// Adds a kind for as long as the program runs. Call this before any tool is moved so.
+/// @throws InputError its number is taken.
+void add_motion_kind(std::unique_ptr<const MotionKind> kind);
+
+}  // namespace palpate
