@@ -11,6 +11,7 @@
 #include "interaction/bonded_patch.h"
 #include "interaction/hertz_stiffness.h"
 #include "interaction/mesh_error.h"
+#include "interaction/rigid_tool.h"
 #include "interaction/tool_clearance.h"
 #include "linear/group.h"
 #include "vtkInformation.h"
@@ -28,7 +29,6 @@
 #include "vtkPalpateKeptRun.h"
 #include "vtkPalpateLinearSolver.h"
 #include "vtkPalpateProgress.h"
-#include "vtkPalpateRigidTool.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateToolPath.h"
 #include "vtkPalpateWholeBody.h"
@@ -47,8 +47,8 @@ using palpate::NodalVector;
 enum InputPort
 {
   BodyPort,
-  PathPort,
   SurfacePort,
+  PathPort,
   NumberOfInputs
 };
 /// The displacement between two states, by a cubic that has their velocities too.
@@ -190,6 +190,12 @@ vtkStringArray* vtkPalpateSolveDynamics::GetLinearSolverNames()
   return this->LinearSolverNames;
 }
 
+vtkMTimeType vtkPalpateSolveDynamics::GetMTime()
+{
+  const vtkMTimeType own = this->Superclass::GetMTime();
+  return this->Tool ? std::max(own, this->Tool->GetMTime()) : own;
+}
+
 int vtkPalpateSolveDynamics::FillInputPortInformation(int port, vtkInformation* info)
 {
   vtkPalpateTakeWhole(info,
@@ -278,7 +284,7 @@ std::unique_ptr<vtkPalpateSolveDynamics::Run> vtkPalpateSolveDynamics::Compute(
       this->CheckProperties();
       body =
         vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputs[BodyPort]), controller);
-      const auto surface = this->Tool == vtkPalpateSurfaceTool
+      const auto surface = this->Tool && this->Tool->HasShapeOfSurface()
         ? vtkPalpateGatherSurface(vtkPalpateInput<vtkPolyData>(inputs[SurfacePort]), controller)
         : nullptr;
       if (!body || vtkPalpatePassFailure(body, output))
@@ -330,7 +336,7 @@ vtkPalpateSolveDynamics::Setup vtkPalpateSolveDynamics::MakeSetup(
   const std::vector<palpate::Index> nodes = vtkPalpateActiveNodes(this->ActiveNodes);
   const int bonded = static_cast<int>(nodes.size());
   const int tools = vtkPalpateCountTools(paths);
-  const bool hasRigid = this->Tool != vtkPalpateBondedNode;
+  const bool hasRigid = this->Tool != nullptr;
   if (hasRigid ? tools <= bonded : tools != bonded)
   {
     throw InputError("The table of the tools has columns for " + std::to_string(tools) +
@@ -353,8 +359,8 @@ vtkPalpateSolveDynamics::Setup vtkPalpateSolveDynamics::MakeSetup(
   {
     return setup;
   }
-  const palpate::RigidTool tool = palpate::with_defaults(
-    vtkPalpateRigidTool(vtkPalpateToolPropertiesOf(*this), surface), setup.Scene);
+  const palpate::RigidTool tool =
+    palpate::with_defaults(this->Tool->Describe(surface), setup.Scene);
   const palpate::RigidContact contact = palpate::make_contact(setup.Scene, tool);
   const palpate::ToolClearance clearance(setup.Scene, contact);
   const Eigen::VectorXd first = setup.Path.at(0);
@@ -495,7 +501,7 @@ void vtkPalpateSolveDynamics::PrintSelf(ostream& os, vtkIndent indent)
     os << ' ' << node;
   }
   os << '\n' << indent << "TipRadius: " << this->TipRadius << " m\n";
-  vtkPalpatePrintTool(os, indent, vtkPalpateToolPropertiesOf(*this));
+  vtkPalpatePrintTool(os, indent, this->Tool);
   os << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
      << this->BodyForce[2] << " m/s^2\n"
      << indent << "Settled: " << this->Settled << '\n'

@@ -39,6 +39,7 @@
 #include <vector>
 
 #include "PalpateSolvingModule.h"
+#include "vtkPalpateTool.h"
 #include "vtkSmartPointer.h"
 #include "vtkUnstructuredGridAlgorithm.h"
 
@@ -74,31 +75,9 @@ public:
   vtkGetMacro(TipRadius, double);
   ///@}
   ///@{
-  /// The rigid tools: 0 none, 1 spheres, 2 capsules, 3 surfaces.
-  vtkSetMacro(Tool, int);
-  vtkGetMacro(Tool, int);
-  ///@}
-  ///@{
-  /// Of a sphere or capsule, m; more than 0.
-  vtkSetMacro(ToolRadius, double);
-  vtkGetMacro(ToolRadius, double);
-  ///@}
-  ///@{
-  /// Along a capsule, of any length but 0.
-  vtkSetVector3Macro(ToolAxis, double);
-  vtkGetVector3Macro(ToolAxis, double);
-  ///@}
-  ///@{
-  /// Of the straight part of a capsule, m.
-  vtkSetMacro(ToolLength, double);
-  vtkGetMacro(ToolLength, double);
-  ///@}
-  ///@{
-  /// As those of vtkPalpateSolveEquilibrium.
-  vtkSetMacro(ContactThickness, double);
-  vtkGetMacro(ContactThickness, double);
-  vtkSetMacro(ContactStiffness, double);
-  vtkGetMacro(ContactStiffness, double);
+  /// What each of the rigid tools is; null: there are none.
+  vtkSetSmartPointerMacro(Tool, vtkPalpateTool);
+  vtkGetSmartPointerMacro(Tool, vtkPalpateTool);
   ///@}
   ///@{
   /// The field of gravity, m/s^2.
@@ -184,6 +163,7 @@ protected:
   vtkPalpateSolveDynamics();
   ~vtkPalpateSolveDynamics() override;
 
+  vtkMTimeType GetMTime() override;
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
@@ -218,12 +198,7 @@ private:
 
   std::vector<vtkIdType> ActiveNodes;
   double TipRadius = 0;
-  int Tool = 0;
-  double ToolRadius = 0.01;
-  double ToolAxis[3] = { 1, 0, 0 };
-  double ToolLength = 0.03;
-  double ContactThickness = 0;
-  double ContactStiffness = 0;
+  vtkSmartPointer<vtkPalpateTool> Tool;
   double BodyForce[3] = { 0, 0, 0 };
   bool Settled = true;
   double EndTime = 1;

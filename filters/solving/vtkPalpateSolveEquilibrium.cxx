@@ -17,6 +17,7 @@
 #include "interaction/bonded_patch.h"
 #include "interaction/held_points.h"
 #include "interaction/mesh_error.h"
+#include "interaction/rigid_tool.h"
 #include "interaction/tool_clearance.h"
 #include "linear/group.h"
 #include "vtkCellData.h"
@@ -32,7 +33,6 @@
 #include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateLinearSolver.h"
-#include "vtkPalpateRigidTool.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateSceneToEstimate.h"
 #include "vtkPalpateStress.h"
@@ -186,6 +186,12 @@ vtkStringArray* vtkPalpateSolveEquilibrium::GetLinearSolverNames()
   return this->LinearSolverNames;
 }
 
+vtkMTimeType vtkPalpateSolveEquilibrium::GetMTime()
+{
+  const vtkMTimeType own = this->Superclass::GetMTime();
+  return this->Tool ? std::max(own, this->Tool->GetMTime()) : own;
+}
+
 int vtkPalpateSolveEquilibrium::FillInputPortInformation(int port, vtkInformation* info)
 {
   if (port == 1)
@@ -216,7 +222,7 @@ int vtkPalpateSolveEquilibrium::RequestData(
       {
         body =
           vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
-        const auto surface = this->Tool == vtkPalpateSurfaceTool
+        const auto surface = this->Tool && this->Tool->HasShapeOfSurface()
           ? vtkPalpateGatherSurface(vtkPalpateInput<vtkPolyData>(inputVector[1]), controller)
           : nullptr;
         if (!body || vtkPalpatePassFailure(body, output))
@@ -224,8 +230,7 @@ int vtkPalpateSolveEquilibrium::RequestData(
           return;
         }
         scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
-        route = this->Tool == vtkPalpateBondedNode ? this->BondedRoute(*scene)
-                                                   : this->ContactRoute(*scene, surface);
+        route = this->Tool ? this->ContactRoute(*scene, surface) : this->BondedRoute(*scene);
         // Loads act before a tool holds anything.
         palpate::PieceSupport(scene->mesh, palpate::holding_points(*scene))
           .require_held(
@@ -280,7 +285,7 @@ void vtkPalpateSolveEquilibrium::UpdateEstimate()
       }
       const palpate::SolveCost& cost = this->Cost.Of(*scene, threads);
       const palpate::EquilibriumOptions options;
-      const bool isRigid = this->Tool != vtkPalpateBondedNode;
+      const bool isRigid = this->Tool != nullptr;
       palpate::WorkCount work = palpate::work_of_equilibrium();
       work.right_hand_sides += 3. * static_cast<double>(this->ActiveNodes.size());
       const double seconds = this->Increments * (isRigid ? StepsOfContact : 1) *
@@ -354,8 +359,7 @@ vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::BondedRoute(
 vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::ContactRoute(
   const palpate::Scene& scene, vtkPolyData* surface)
 {
-  const palpate::RigidTool tool =
-    palpate::with_defaults(vtkPalpateRigidTool(vtkPalpateToolPropertiesOf(*this), surface), scene);
+  const palpate::RigidTool tool = palpate::with_defaults(this->Tool->Describe(surface), scene);
   const palpate::RigidContact contact = palpate::make_contact(scene, tool);
   Route route;
   route.Rigid = tool;
@@ -471,7 +475,7 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
     os << ' ' << component;
   }
   os << " m\n" << indent << "TipRadius: " << this->TipRadius << " m\n";
-  vtkPalpatePrintTool(os, indent, vtkPalpateToolPropertiesOf(*this));
+  vtkPalpatePrintTool(os, indent, this->Tool);
   os << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
      << this->ToolPosition[2] << " m\n"
      << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '

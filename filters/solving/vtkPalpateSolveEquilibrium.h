@@ -42,6 +42,7 @@
 
 #include "PalpateSolvingModule.h"
 #include "vtkPalpateSolveCost.h"
+#include "vtkPalpateTool.h"
 #include "vtkSmartPointer.h"
 #include "vtkUnstructuredGridAlgorithm.h"
 
@@ -80,40 +81,14 @@ public:
   vtkGetMacro(TipRadius, double);
   ///@}
   ///@{
-  /// How the body is touched: 0 bonded node, 1 sphere, 2 capsule, 3 surface.
-  vtkSetMacro(Tool, int);
-  vtkGetMacro(Tool, int);
-  ///@}
-  ///@{
-  /// Of a sphere or capsule, m; more than 0.
-  vtkSetMacro(ToolRadius, double);
-  vtkGetMacro(ToolRadius, double);
-  ///@}
-  ///@{
-  /// Along a capsule, of any length but 0.
-  vtkSetVector3Macro(ToolAxis, double);
-  vtkGetVector3Macro(ToolAxis, double);
-  ///@}
-  ///@{
-  /// Of the straight part of a capsule, m.
-  vtkSetMacro(ToolLength, double);
-  vtkGetMacro(ToolLength, double);
+  /// The rigid tool; null: the active nodes are moved.
+  vtkSetSmartPointerMacro(Tool, vtkPalpateTool);
+  vtkGetSmartPointerMacro(Tool, vtkPalpateTool);
   ///@}
   ///@{
   /// The place of the centre of a rigid tool, m.
   vtkSetVector3Macro(ToolPosition, double);
   vtkGetVector3Macro(ToolPosition, double);
-  ///@}
-  ///@{
-  /// Of the layer in which contact acts, m; 0: a fifth of the radius of the tool, or of half of its
-  /// smallest extent.
-  vtkSetMacro(ContactThickness, double);
-  vtkGetMacro(ContactThickness, double);
-  ///@}
-  ///@{
-  /// The pressure at the inner side of that layer, Pa; 0: see palpate::with_defaults().
-  vtkSetMacro(ContactStiffness, double);
-  vtkGetMacro(ContactStiffness, double);
   ///@}
   ///@{
   /// The field of gravity, m/s^2: the body rests under its weight, and the displacements of active
@@ -184,6 +159,7 @@ protected:
   vtkPalpateSolveEquilibrium();
   ~vtkPalpateSolveEquilibrium() override;
 
+  vtkMTimeType GetMTime() override;
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
@@ -208,13 +184,8 @@ private:
   std::vector<vtkIdType> ActiveNodes = { 0 };
   std::vector<double> Displacements = { 0, 0, 0 };
   double TipRadius = 0;
-  int Tool = 0;
-  double ToolRadius = 0.01;
-  double ToolAxis[3] = { 1, 0, 0 };
-  double ToolLength = 0.03;
+  vtkSmartPointer<vtkPalpateTool> Tool;
   double ToolPosition[3] = { 0, 0, 0 };
-  double ContactThickness = 0;
-  double ContactStiffness = 0;
   double BodyForce[3] = { 0, 0, 0 };
   double Tolerance = 1e-10;
   int MaximumIterations = 60;

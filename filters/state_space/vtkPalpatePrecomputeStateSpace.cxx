@@ -26,7 +26,6 @@
 #include "vtkPalpateGrowth.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateProgress.h"
-#include "vtkPalpateRigidTool.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateSceneToEstimate.h"
 #include "vtkPalpateStateSpace.h"
@@ -245,14 +244,18 @@ vtkImplicitFunction* vtkPalpatePrecomputeStateSpace::GetToolRegion()
 
 vtkMTimeType vtkPalpatePrecomputeStateSpace::GetMTime()
 {
-  const vtkMTimeType own = this->Superclass::GetMTime();
-  return this->ToolRegion ? std::max(own, this->ToolRegion->GetMTime()) : own;
+  vtkMTimeType latest = this->Superclass::GetMTime();
+  for (vtkObject* part : std::initializer_list<vtkObject*>{ this->Tool, this->ToolRegion })
+  {
+    latest = part ? std::max(latest, part->GetMTime()) : latest;
+  }
+  return latest;
 }
 
 palpate::ContactOptions vtkPalpatePrecomputeStateSpace::Contact(vtkPolyData* surface)
 {
   palpate::ContactOptions contact;
-  contact.tool = vtkPalpateRigidTool(vtkPalpateToolPropertiesOf(*this), surface);
+  contact.tool = this->Tool->Describe(surface);
   contact.spacing = this->Spacing;
   contact.shell.depth = this->Depth;
   contact.shell.begin_at = palpate::Vec3(this->BeginAt);
@@ -269,7 +272,7 @@ palpate::PrecomputeOptions vtkPalpatePrecomputeStateSpace::Options(
   vtkPolyData* surface, vtkMultiProcessController* controller)
 {
   palpate::PrecomputeOptions options;
-  const bool isRigid = this->Tool != vtkPalpateBondedNode;
+  const bool isRigid = this->Tool != nullptr;
   if (isRigid && this->Graspable && this->ActiveNodes.empty())
   {
     throw palpate::InputError("The rigid tool is to grasp active nodes, but none is named. Name "
@@ -493,7 +496,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
     os << ' ' << node;
   }
   os << '\n' << indent << "TipRadius: " << this->TipRadius << '\n';
-  vtkPalpatePrintTool(os, indent, vtkPalpateToolPropertiesOf(*this));
+  vtkPalpatePrintTool(os, indent, this->Tool);
   os << indent << "Graspable: " << this->Graspable << '\n'
      << indent << "UseToolRegion: " << this->UseToolRegion << '\n'
      << indent << "ToolRegion: " << this->ToolRegion.Get() << '\n'

@@ -32,6 +32,7 @@
 #include "PalpateStateSpaceModule.h"
 #include "vtkNew.h"
 #include "vtkPalpateSolveCost.h"
+#include "vtkPalpateTool.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 #include "vtkSmartPointer.h"
@@ -66,36 +67,9 @@ public:
   vtkGetMacro(TipRadius, double);
   ///@}
   ///@{
-  /// How the body is touched: 0 bonded to each active node, 1 sphere, 2 capsule, 3 surface. A rigid
-  /// tool presses anywhere, without friction; it does not turn.
-  vtkSetMacro(Tool, int);
-  vtkGetMacro(Tool, int);
-  ///@}
-  ///@{
-  /// Of a sphere or capsule, m; more than 0.
-  vtkSetMacro(ToolRadius, double);
-  vtkGetMacro(ToolRadius, double);
-  ///@}
-  ///@{
-  /// Along a capsule, of any length but 0.
-  vtkSetVector3Macro(ToolAxis, double);
-  vtkGetVector3Macro(ToolAxis, double);
-  ///@}
-  ///@{
-  /// Of the straight part of a capsule, m.
-  vtkSetMacro(ToolLength, double);
-  vtkGetMacro(ToolLength, double);
-  ///@}
-  ///@{
-  /// Of the layer in which a rigid tool presses, m; 0: a fifth of the radius of the tool, or of
-  /// half of its smallest extent.
-  vtkSetMacro(ContactThickness, double);
-  vtkGetMacro(ContactThickness, double);
-  ///@}
-  ///@{
-  /// The pressure at the inner side of that layer, Pa; 0: see palpate::with_defaults().
-  vtkSetMacro(ContactStiffness, double);
-  vtkGetMacro(ContactStiffness, double);
+  /// The rigid tool, which presses anywhere; null: one is bonded to each active node.
+  vtkSetSmartPointerMacro(Tool, vtkPalpateTool);
+  vtkGetSmartPointerMacro(Tool, vtkPalpateTool);
   ///@}
   ///@{
   /// Whether a rigid tool can also hold active nodes, which are explored besides.
@@ -286,12 +260,7 @@ private:
   palpate::PrecomputeOptions Options(vtkPolyData* surface, vtkMultiProcessController* controller);
 
   double TipRadius = 0;
-  int Tool = 0;
-  double ToolRadius = 0.01;
-  double ToolAxis[3] = { 1, 0, 0 };
-  double ToolLength = 0.03;
-  double ContactThickness = 0;
-  double ContactStiffness = 0;
+  vtkSmartPointer<vtkPalpateTool> Tool;
   bool Graspable = false;
   bool UseToolRegion = false;
   vtkSmartPointer<vtkImplicitFunction> ToolRegion;

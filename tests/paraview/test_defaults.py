@@ -18,13 +18,18 @@ SETTERS = {"DoubleVectorProperty", "IntVectorProperty", "StringVectorProperty",
 
 
 def plugin_proxies():
-    """(group, element) of each proxy with a class."""
+    """(group, element) of each proxy with a class; the element has the properties of its base."""
     folder = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "xml")
-    for name in sorted(glob.glob(os.path.join(folder, "*.xml"))):
-        for group in ElementTree.parse(name).getroot().iter("ProxyGroup"):
-            for proxy in group:
-                if proxy.get("class"):
-                    yield group.get("name"), proxy
+    proxies = {(group.get("name"), proxy.get("name")): proxy
+               for name in sorted(glob.glob(os.path.join(folder, "*.xml")))
+               for group in ElementTree.parse(name).getroot().iter("ProxyGroup")
+               for proxy in group}
+    for (group, _), proxy in proxies.items():
+        base = proxies.get((proxy.get("base_proxygroup"), proxy.get("base_proxyname")))
+        if base is not None:
+            proxy.extend(base)
+        if proxy.get("class"):
+            yield group, proxy
 
 
 def properties(proxy, verb):

@@ -115,6 +115,8 @@ def held_in(proxy, name, value):
                 for part, number in value.items()}
     # A copy: ParaView gives what goes on showing the value of the property.
     has = proxy.GetPropertyValue(name)
+    if isinstance(has, servermanager.Proxy):
+        return has.SMProxy.GetXMLLabel()
     if isinstance(value, str):
         return str(has).strip("'")
     return list(has) if isinstance(value, list) else has
@@ -201,10 +203,10 @@ OF_BOTH = {"ForceLimit": 0.5, "ThirdDerivatives": 0, "SolverTolerance": 1e-6,
 OF_BONDED = {"TipRadius": 0.11, "HalfWidth": 0.012, "Resolution": 5, "Tolerance": 0.05,
              "ToleranceType": "Absolute", "History": "Levels", "IntermediateStates": 1,
              "DisplacementBound": 0.1}
-OF_RIGID = {"ToolRadius": 0.04, "ToolAxis": [0, 1, 0], "ToolLength": 0.02, "UseToolRegion": 0,
-            "ToolRegion": {"Center": [0.21, 0.1, 0.1]}, "Depth": 0.004, "Spacing": 0.02,
-            "BeginAt": [0.1, 0, 0], "MaximumConfigurations": 10, "ContactThickness": 0.008,
-            "ContactStiffness": 3000}
+OF_RIGID = {"UseToolRegion": 0, "ToolRegion": {"Center": [0.21, 0.1, 0.1]}, "Depth": 0.004,
+            "Spacing": 0.02, "BeginAt": [0.1, 0, 0], "MaximumConfigurations": 10}
+OF_TOOL = {"Tool.Radius": 0.04, "Tool.Axis": [0, 1, 0], "Tool.Length": 0.02,
+           "Tool.ContactThickness": 0.008, "Tool.ContactStiffness": 3000}
 
 
 def test_bonded_space():
@@ -238,7 +240,9 @@ def test_rigid_space():
         proxy.ToolRegion.Center, proxy.ToolRegion.Radius = [0.2, 0.1, 0.1], 0.02
         return proxy
 
-    changes = {**OF_BOTH, **OF_RIGID, "Tool": "Sphere"}
+    tool = make().Tool
+    assert {"Tool." + name for name in changeable(tool)} == {*OF_TOOL, "Tool.Motion"}
+    changes = {**OF_BOTH, **OF_RIGID, **OF_TOOL, "Tool": "Sphere"}
     assert check_properties(make, changes) == set(changes) - {"BeginAt", "Keep", "MaximumSeconds"}
     assert check_file(make, changes, "rigid.palpate") == set(changes) - {
         "BeginAt", "Depth", "ForceLimit", "MaximumSeconds", "SinglePrecisionFactors", "ToolRegion",

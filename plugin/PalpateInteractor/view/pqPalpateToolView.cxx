@@ -13,7 +13,7 @@
 #include "vtkGlyph3D.h"
 #include "vtkMatrix4x4.h"
 #include "vtkPVRenderView.h"
-#include "vtkPalpateRigidTool.h"
+#include "vtkPalpateShownTool.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a rigid tool is shown by.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "PalpateToolModule.h"
+#include "interaction/rigid_tool.h"
+#include "vtkSmartPointer.h"
+
+class vtkPolyData;
+
+/// A surface of these triangles, m.
+PALPATETOOL_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateTriangles(
+  const std::vector<palpate::Vec3>& places,
+  const std::vector<std::array<palpate::Index, 3>>& triangles);
+
+/// The surface of the tool around its middle, with normals unless it is a surface itself. A sphere
+/// or capsule without a radius is a vertex.
+PALPATETOOL_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateToolSurface(
+  const palpate::RigidTool& tool);

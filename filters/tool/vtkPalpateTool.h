@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpateTool
+ * @brief a rigid tool that presses a body without friction, by its properties
+ *
+ * A subclass has the properties of one shape, as palpate::ShapeKind has its numbers. How the tool
+ * is moved, and the layer in which it presses, are the same for all shapes.
+ */
+#pragma once
+
+#include <memory>
+
+#include "PalpateToolModule.h"
+#include "vtkObject.h"
+#include "vtkSmartPointer.h"
+
+class vtkPalpateMotion;
+class vtkPolyData;
+
+namespace palpate
+{
+class MotionKind;
+class ShapeKind;
+struct RigidTool;
+}
+
+class PALPATETOOL_EXPORT vtkPalpateTool : public vtkObject
+{
+public:
+  vtkTypeMacro(vtkPalpateTool, vtkObject);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /// Of the layer in which contact acts, m; 0: a fifth of the radius of the tool, or of half of its
+  /// smallest extent.
+  vtkSetMacro(ContactThickness, double);
+  vtkGetMacro(ContactThickness, double);
+  ///@}
+  ///@{
+  /// The pressure at the inner side of that layer, Pa; 0: see palpate::with_defaults().
+  vtkSetMacro(ContactStiffness, double);
+  vtkGetMacro(ContactStiffness, double);
+  ///@}
+  ///@{
+  /// How the tool is moved; null: translated.
+  void SetMotion(vtkPalpateMotion* motion);
+  vtkPalpateMotion* GetMotion();
+  ///@}
+
+  /// Later where its motion was changed, too.
+  vtkMTimeType GetMTime() override;
+
+  /// Whether the tool has the shape of the surface that is connected to a filter.
+  virtual bool HasShapeOfSurface() const { return false; }
+  /// The tool. What is 0 of its contact stays so, see palpate::with_defaults().
+  /// @param surface What is connected; null where it is not needed or missing.
+  /// @throws palpate::InputError the surface is needed, and is missing or none.
+  palpate::RigidTool Describe(vtkPolyData* surface) const;
+
+  ///@{
+  /// Adds a kind of shape or motion that a plugin of its own brings, see palpate::add_shape_kind()
+  /// and palpate::add_motion_kind().
+  static void AddKind(std::unique_ptr<const palpate::ShapeKind> kind);
+  static void AddKind(std::unique_ptr<const palpate::MotionKind> kind);
+  ///@}
+
+protected:
+  vtkPalpateTool();
+  ~vtkPalpateTool() override;
+
+  /// Gives the tool its shape.
+  virtual void DescribeShape(vtkPolyData* surface, palpate::RigidTool& tool) const = 0;
+
+private:
+  vtkPalpateTool(const vtkPalpateTool&) = delete;
+  void operator=(const vtkPalpateTool&) = delete;
+
+  double ContactThickness = 0;
+  double ContactStiffness = 0;
+  vtkSmartPointer<vtkPalpateMotion> Motion;
+};
+
+/// Prints a tool, or that there is none, as PrintSelf() of a filter does.
+PALPATETOOL_EXPORT void vtkPalpatePrintTool(ostream& os, vtkIndent indent, vtkPalpateTool* tool);

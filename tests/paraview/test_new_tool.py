@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A shape and a motion of a tool that a plugin of its own brings, each with one class and one file
+of XML: they are in the lists of the filters, give the right force, and stay in a state.
+
+Argument: the plugin.
+"""
+
+import sys
+
+import numpy
+from paraview.simple import (AssignMaterial, GetSources, LoadPlugin, LoadState,
+                             PrecomputeStateSpace, ResetSession, SaveState, SetBoundary,
+                             SolveDynamics, SolveEquilibrium)
+from support import box_body, expect_error, expect_silence, fetch, field, source
+
+RADIUS = 0.04
+# Of the box of support.py, whose top is at z = 0.1 m, the middle of the top, and above.
+POSITION = [0.11, 0.05, 0.1 + RADIUS - 0.01]
+
+
+def fine_scene():
+    body = source(box_body(divisions=(8, 4, 4)), "new_tool")
+    boundary = SetBoundary(Input=AssignMaterial(Input=body, Law="Neo-Hookean"),
+                           FixedRegion="Plane")
+    boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 0], [1, 0, 0]
+    return boundary
+
+
+def press(boundary, tool, motion=None, position=POSITION, **numbers):
+    solve = SolveEquilibrium(Input=boundary, Tool=tool, ToolPosition=position)
+    for name, value in {"Radius": RADIUS, **numbers}.items():
+        setattr(solve.Tool, name, value)
+    if motion:
+        solve.Tool.Motion = motion[0]
+        solve.Tool.Motion.Angle = motion[1]
+    return solve
+
+
+def solved(*args, **keywords):
+    proxy = press(*args, **keywords)
+    return expect_silence(lambda: fetch(proxy))
+
+
+def force(*args, **keywords):
+    return field(solved(*args, **keywords), "ReactionForce")[0]
+
+
+def expect_same(a, b):
+    assert numpy.linalg.norm(a) > 0.1, a
+    assert numpy.linalg.norm(a - b) < 1e-7 * numpy.linalg.norm(a), (a, b)
+
+
+def test_lists(boundary):
+    for proxy, none in ((SolveEquilibrium(Input=boundary), "Bonded node"),
+                        (PrecomputeStateSpace(Input=boundary), "Bonded node"),
+                        (SolveDynamics(Input=boundary), "None")):
+        tools = list(proxy.GetProperty("Tool").Available)
+        assert tools[0] == none and sorted(tools[1:]) == ["Capsule", "Ring", "Sphere", "Surface"]
+        proxy.Tool = "Ring"
+        assert proxy.Tool.RingRadius == 0.02
+        assert proxy.Tool.Motion.GetXMLName() == "Translated"
+        motions = proxy.Tool.GetProperty("Motion").Available
+        assert sorted(motions) == ["Tilted", "Translated"], motions
+
+
+def test_forces(boundary):
+    # A ring of no width is a sphere.
+    expect_same(force(boundary, "Ring", RingRadius=0), force(boundary, "Sphere"))
+    # A rod that is turned by the motion is one that lies so.
+    angle = numpy.radians(50)
+    rod = {"Length": 0.03}
+    expect_same(force(boundary, "Capsule", ("Tilted", 50), Axis=[1, 0, 0], **rod),
+                force(boundary, "Capsule", Axis=[numpy.cos(angle), numpy.sin(angle), 0], **rod))
+    # Of the ring's own the force is the derivative of the energy; it is turned and leans.
+    step = 1e-4
+    ring = {"Axis": [0.3, 0, 1], "RingRadius": 0.02, "motion": ("Tilted", 30)}
+    up, down = (field(solved(boundary, "Ring", position=numpy.add(POSITION, [0, 0, s]).tolist(),
+                             **ring), "Energy")[0] for s in (step, -step))
+    middle = force(boundary, "Ring", **ring)
+    assert abs((up - down) / (2 * step) / middle[2] - 1) < 1e-3, (up, down, middle)
+    assert abs(middle[2] / force(boundary, "Sphere")[2] - 1) > 0.1
+
+
+def test_a_change_is_heard_of(boundary):
+    solve = press(boundary, "Capsule", ("Tilted", 0), Length=0.05)
+    before = field(fetch(solve), "ReactionForce")[0]
+    solve.Tool.Motion.Angle = 90
+    after = field(fetch(solve), "ReactionForce")[0]
+    assert abs(after[2] / before[2] - 1) > 1e-3, (before, after)
+
+
+def test_a_state_keeps_it(boundary):
+    solve = press(boundary, "Ring", ("Tilted", 30), RingRadius=0.02)
+    expected = field(fetch(solve), "ReactionForce")[0]
+    SaveState("new_tool.pvsm")
+    ResetSession()
+    LoadState("new_tool.pvsm")
+    solve, = (proxy for proxy in GetSources().values()
+              if proxy.GetXMLName() == "SolveEquilibrium" and proxy.Tool.GetXMLName() == "Ring"
+              and proxy.Tool.Motion.GetXMLName() == "Tilted" and proxy.Tool.RingRadius == 0.02
+              and list(proxy.Tool.Axis) == [0, 0, 1])
+    assert solve.Tool.Motion.Angle == 30
+    assert (field(fetch(solve), "ReactionForce")[0] == expected).all()
+
+
+def test_a_space_says_that_it_cannot(boundary):
+    space = PrecomputeStateSpace(Input=boundary, Tool="Capsule", LogInterval=0)
+    space.Tool.Motion = "Tilted"
+    expect_error(space.UpdatePipeline, "Translated")
+
+
+def main():
+    SolveEquilibrium()  # connects, and so loads Palpate
+    LoadPlugin(sys.argv[1], remote=False, ns=globals())
+    boundary = fine_scene()
+    test_lists(boundary)
+    test_forces(boundary)
+    test_a_change_is_heard_of(boundary)
+    test_a_space_says_that_it_cannot(boundary)
+    test_a_state_keeps_it(boundary)
+
+
+if __name__ == "__main__":
+    main()
