@@ -31,9 +31,10 @@ namespace palpate {
 [[nodiscard]] inline bool is_sound(Formulation formulation) {
   return formulation == Formulation::displacement || formulation == Formulation::mixed;
 }
-/// Any: kinds of tools may be added. tool_kind() and shape_kind() refuse one that is unknown.
+/// Any: kinds may be added. tool_kind(), shape_kind() and motion_kind() refuse one that is unknown.
 [[nodiscard]] inline bool is_sound(InteractionKind /*kind*/) { return true; }
 [[nodiscard]] inline bool is_sound(ToolShape /*shape*/) { return true; }
+[[nodiscard]] inline bool is_sound(ToolMotion /*motion*/) { return true; }
 
 template <class Visit>
 void for_each_part(ConfigurationSummary& c, Visit&& visit) {
