@@ -122,7 +122,7 @@ class RingKind final : public palpate::ShapeKind {
   }
 };
 
-[[maybe_unused]] const bool IsKnown =
+[[maybe_unused]] const bool RingIsKnown =
     (vtkPalpateTool::AddKind(std::make_unique<const RingKind>()), true);
 }  // namespace
 

@@ -5,10 +5,10 @@
  */
 #pragma once
 
-#include "PalpateTestToolsModule.h"
+#include "PalpateNewToolsModule.h"
 #include "vtkPalpateTool.h"
 
-class PALPATETESTTOOLS_EXPORT vtkPalpateRingTool : public vtkPalpateTool {
+class PALPATENEWTOOLS_EXPORT vtkPalpateRingTool : public vtkPalpateTool {
  public:
   static vtkPalpateRingTool* New();
   vtkTypeMacro(vtkPalpateRingTool, vtkPalpateTool);

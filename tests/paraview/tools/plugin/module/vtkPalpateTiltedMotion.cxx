@@ -45,7 +45,7 @@ class TiltedKind final : public palpate::MotionKind {
   }
 };
 
-[[maybe_unused]] const bool IsKnown =
+[[maybe_unused]] const bool TiltIsKnown =
     (vtkPalpateTool::AddKind(std::make_unique<const TiltedKind>()), true);
 }  // namespace
 

@@ -5,10 +5,10 @@
  */
 #pragma once
 
-#include "PalpateTestToolsModule.h"
+#include "PalpateNewToolsModule.h"
 #include "vtkPalpateMotion.h"
 
-class PALPATETESTTOOLS_EXPORT vtkPalpateTiltedMotion : public vtkPalpateMotion {
+class PALPATENEWTOOLS_EXPORT vtkPalpateTiltedMotion : public vtkPalpateMotion {
  public:
   static vtkPalpateTiltedMotion* New();
   vtkTypeMacro(vtkPalpateTiltedMotion, vtkPalpateMotion);
