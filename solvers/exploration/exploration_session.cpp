@@ -168,7 +168,8 @@ ExplorationSession::State ExplorationSession::run(const Until& until) {
       session.monitor.set_mail(nullptr);
       session.report.schedule += schedule;
       if (session.engine->is_discarded()) return State::aborted;
-      if (!is_done) return State::paused;
+      // The run may have been paused within its last transition.
+      if (!is_done && any(session.communicator, session.engine->has_work())) return State::paused;
       if (any(session.communicator, session.engine->has_withdrawn())) return State::withdrawn;
     } while (session.rounds &&
              session.rounds->plan(*session.engine, session.communicator, session.report));
