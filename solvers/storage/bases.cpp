@@ -16,9 +16,9 @@ using sqlite::Statement;
 /// A basis whose modes take no more memory than this is read, however few bytes it has in the file.
 constexpr std::int64_t kAnyBasis = std::int64_t{64} << 20;
 
-/// Of a basis with r modes, the configurations that were reduced have no fewer than r²/4
-/// coefficients: r is at most the number of their fields and derivatives. Three quarters of them
-/// may have been lost.
+/// The configurations that were reduced to a basis with r modes have no fewer than r²/4
+/// coefficients, since r is at most the number of their fields and derivatives. So three quarters
+/// of the configurations may have been lost.
 constexpr std::int64_t kMostModesSquared = 16;
 
 }  // namespace

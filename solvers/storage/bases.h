@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// What the fields of a finished space are reduced to: the table basis.
+// SPDX-License-Identifier: BSD-3-Clause The table basis: the modes to which the fields of a
+// finished space are reduced.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,8 @@ struct BasisBox {
   std::int64_t number = 0;
   CheckPointBox box;
   Keep keep = Keep::touch;
-  /// That its modes make in a displacement, as a share of the largest one.
+  /// The largest error that its modes make in a displacement, as a share of the largest
+  /// displacement.
   double error = 0;
 };
 
@@ -33,8 +34,8 @@ class Bases {
   Bases(Connection& connection, const Bodies& bodies, const ToolSpaces& tool_spaces)
       : connection_(connection), bodies_(bodies), tool_spaces_(tool_spaces) {}
 
-  /// Stores a basis, in place of one of the same number. That one's modes must be the first of its
-  /// own: what was reduced by them stays so.
+  /// Stores a basis, in place of one of the same number. Its first modes must be those of the
+  /// replaced one, since fields that were reduced by them are kept as they are.
   void add(const ToolSpaceKey& key, std::int64_t number, const PackedBasis& basis);
   /// The bases of a tool space, in the order of their numbers, and their boxes.
   [[nodiscard]] std::vector<BasisBox> list(const ToolSpaceKey& key) const;
@@ -44,22 +45,24 @@ class Bases {
   /// The basis that serves a check-point, or null.
   [[nodiscard]] std::shared_ptr<const FieldBasis> serving(const ToolSpaceKey& key,
                                                           const CheckPoint& check_point) const;
-  /// What that keeps; nothing: none serves it.
+  /// The part of the fields that this basis keeps; nothing: no basis serves the check-point.
   [[nodiscard]] std::optional<Keep> keep_at(const ToolSpaceKey& key,
                                             const CheckPoint& check_point) const;
-  /// What is kept of the fields of all configurations: the least of any.
+  /// The part of the fields that is kept for every configuration: the least that any basis keeps.
   [[nodiscard]] Keep keep() const;
 
   /// Gives back the memory of the bases that were read. They are read anew when they are asked for.
   void forget() const;
   /// Bases that were read, by tool space and checksum.
   using Known = std::map<std::pair<ToolSpaceKey, std::int64_t>, std::shared_ptr<const FieldBasis>>;
-  /// Has this taken from here, and put here, that another object has read of the same file before.
+  /// From now on bases are looked up in `known` before they are read, and are added to it, so that
+  /// several objects of one file share what they have read.
   void share(Known& known) { known_ = &known; }
-  /// Forgets all that was read, also what is shared.
+  /// Gives back the memory of everything that was read, also of what is shared.
   void forget_all() const;
 
-  /// Reads what a conversion of the file writes again: all.
+  /// Reads all bases. @returns A function that writes them again, after the schema of the file was
+  /// converted.
   [[nodiscard]] std::function<void()> read_for_conversion();
 
  private:
@@ -71,21 +74,21 @@ class Bases {
     bool is_read = false;
     std::shared_ptr<const FieldBasis> basis;
   };
-  /// Those of a tool space, in the order of their numbers.
+  /// The rows of a tool space, in the order of their numbers.
   [[nodiscard]] std::vector<Stored>& stored(const ToolSpaceKey& key) const;
-  /// Null where it is damaged, which is left out.
+  /// The basis of a row; null where it is damaged, and so left out.
   [[nodiscard]] std::shared_ptr<const FieldBasis> basis_of(const ToolSpaceKey& key,
                                                            Stored& stored) const;
   [[nodiscard]] std::shared_ptr<const FieldBasis> read_new(const ToolSpaceKey& key,
                                                            const Stored& stored) const;
-  /// Nothing where the modes are damaged.
+  /// The basis with its modes; nothing where these are damaged.
   [[nodiscard]] std::optional<FieldBasis> read_modes(const Stored& stored,
                                                      std::int64_t num_kept) const;
-  /// The same of version 9, where each mode has a row.
+  /// Does the same for a file of version 9, where each mode has a row.
   [[nodiscard]] std::optional<FieldBasis> read_modes_of_9(const ToolSpaceKey& key,
                                                           const rows::BasisRow& row,
                                                           std::int64_t num_kept) const;
-  /// Whether what is there explains so many modes.
+  /// Whether the rows of the file can be what so many modes were made from.
   [[nodiscard]] bool are_explained(const ToolSpaceKey& key, const PackedBasis& head,
                                    std::int64_t num_kept) const;
 

@@ -21,9 +21,10 @@ template <class Number>
 struct Size {
   std::int64_t least = 0;
   std::int64_t most = 0;
-  /// It holds nothing instead: NULL.
+  /// The BLOB may be NULL instead, which holds no numbers.
   bool or_none = false;
-  /// Components of a point, or corners of a triangle: it holds all of each.
+  /// The BLOB holds complete groups of so many numbers: the components of a point, or the corners
+  /// of a triangle.
   std::int64_t group = 1;
 
   [[nodiscard]] bool fits(std::size_t bytes) const {
@@ -46,9 +47,9 @@ template <class Number>
   return {0, count, false, group};
 }
 
-/// What SQLite keeps in one row at the most, bytes.
+/// The largest row that SQLite stores, bytes.
 inline constexpr std::int64_t kLargestRow = 1'000'000'000;
-/// The bytes of the numbers of a row, at the most.
+/// The largest size of the plain numbers of a row, bytes.
 inline constexpr std::int64_t kOfNumbers = 1 << 16;
 
 // Table scene.
@@ -61,11 +62,11 @@ inline constexpr std::int64_t kOfNumbers = 1 << 16;
 [[nodiscard]] inline Size<Index> material_of_cell(std::int64_t num_cells) {
   return none_or<Index>(num_cells);
 }
-/// Of fixed and touchable.
+/// The columns fixed and touchable.
 [[nodiscard]] inline Size<char> marks(std::int64_t num_points) { return exactly<char>(num_points); }
 
 // Table tool_space.
-/// Of material_point, tool_axis and origin.
+/// The columns material_point, tool_axis and origin.
 [[nodiscard]] inline Size<double> vector() { return exactly<double>(3); }
 [[nodiscard]] inline Size<double> tool_points() {
   return up_to<double>(kLargestRow / std::int64_t{sizeof(double)}, 3);
@@ -85,12 +86,12 @@ template <class Number>
 [[nodiscard]] Size<Number> pressures(std::int64_t num_pressures) {
   return none_or<Number>(num_pressures);
 }
-/// Of the coefficients of a field by modes.
+/// The coefficients of a field that is reduced to modes.
 [[nodiscard]] inline Size<float> coefficients(std::int64_t num_modes) {
   return up_to<float>(num_modes);
 }
 
-// Table basis. The numbers of the head are possible, see rows::is_possible().
+// Table basis. The numbers of the head must be possible, see rows::is_possible().
 [[nodiscard]] inline Size<float> steps(const PackedBasis& head) {
   return exactly<float>(head.num_modes + head.num_pressure_modes);
 }
@@ -113,7 +114,7 @@ template <class Number>
 }
 
 // Table boundary_array. The body at rest has settled_displacement() and pressures().
-/// @param components Of each point.
+/// @param components The number of components of each point.
 [[nodiscard]] inline Size<double> boundary_array(std::int64_t num_points, std::int64_t components) {
   return exactly<double>(num_points * components);
 }

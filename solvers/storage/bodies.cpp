@@ -35,7 +35,7 @@ void bind_array(Statement& statement, const Values& values) {
                  static_cast<std::size_t>(values.size()) * sizeof(typename Values::value_type));
 }
 
-/// @throws InputError it has another size than the body tells.
+/// @throws InputError the BLOB has another size than the body asks for.
 template <class Number, class Values>
 void take_array(Statement& statement, const blobs::Size<Number>& size, const Database& database,
                 const char* what, Values& values) {
@@ -58,7 +58,7 @@ bool is_too_large(std::int64_t num_points, std::int64_t num_cells) {
   return bytes_of_body(num_points, num_cells) > kLargestRow - blobs::kOfNumbers;
 }
 
-/// What a body is called in a message.
+/// The name of a body, for a message.
 std::string name_of_body(BodyId body) {
   return body == kFirstBody ? "the body" : "body " + std::to_string(body);
 }
@@ -93,7 +93,7 @@ void write_scene(const Database& database, BodyId body, const Scene& scene,
   }
 }
 
-/// @param scene It has a load.
+/// @param scene It must have a load.
 void require_rest_of(const Scene& scene) {
   if (scene.settled.u.size() == 3 * Eigen::Index{scene.mesh.num_points()}) return;
   throw InputError(
@@ -115,7 +115,7 @@ constexpr char kRestPressure[] = "RestPressure";
 /// The rest of a body is stored with the arrays of its surface.
 bool rests_in_boundary(const Scene& scene) { return scene.has_load() && !scene.has_body_force(); }
 
-/// @param scene It has supports or loads of its surface.
+/// @param scene It must have supports or loads of its surface.
 void write_boundary(const Database& database, BodyId body, const Scene& scene) {
   make_table(database, kBoundary);
   Statement insert(database, Table(kBoundary).insert("ABORT"));
@@ -138,7 +138,7 @@ void write_boundary(const Database& database, BodyId body, const Scene& scene) {
   write(kRestPressure, scene.settled.p);
 }
 
-/// @param scene It has a body force.
+/// @param scene It must have a body force.
 void write_body_force(const Database& database, BodyId body, const Scene& scene) {
   require_rest_of(scene);
   make_table(database, kBodyForce);
@@ -266,7 +266,7 @@ Scene Bodies::read(BodyId body) const {
   if (hash(scene) != stored_hash) {
     throw_damaged(database.path(), "the scene has not the hash it was stored with");
   }
-  // Who made the file may have made the hash fit a body that is none.
+  // Someone may have made a file whose hash fits a body that is not valid.
   if (!std::all_of(mesh.points.begin(), mesh.points.end(),
                    [](const Vec3& p) { return p.allFinite(); })) {
     throw_damaged(database.path(), "a point of the body is none");
@@ -361,7 +361,7 @@ void Bodies::read_materials(BodyId body, Scene& scene) const {
     try {
       Material& material = scene.materials.emplace_back(with_formulation(
           make_material(static_cast<Law>(law), parameters), static_cast<Formulation>(formulation)));
-      // The hash takes in those that the law has not, as they were given.
+      // The hash takes in all parameters as they were given, also those that the law does not have.
       material.parameters = parameters;
     } catch (const InputError& error) {
       throw_damaged(connection_.path(), std::string("a material is none: ") + error.what());

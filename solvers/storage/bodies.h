@@ -31,8 +31,8 @@ struct BodyHead {
 
 class Bodies {
  public:
-  /// Reads the heads.
-  /// @throws InputError there is no first body, or one is larger than a file can hold.
+  /// Reads the heads. @throws InputError there is no first body, or a body is larger than a file
+  /// can hold.
   explicit Bodies(Connection& connection);
 
   /// Writes the first body of a new file.
@@ -51,27 +51,29 @@ class Bodies {
   /// @throws InputError there is no such body.
   [[nodiscard]] const BodyHead& head(BodyId body) const;
   [[nodiscard]] std::int64_t num_points(BodyId body) const { return head(body).num_points; }
-  /// Of all bodies.
+  /// The solver tolerance, which all bodies of a file have in common.
   [[nodiscard]] double solver_tolerance() const { return head(kFirstBody).solver_tolerance; }
 
-  /// @throws InputError it is damaged, such that it does not have the hash it is stored with.
+  /// Reads a body. @throws InputError it is damaged: it does not have the hash that it is stored
+  /// with.
   [[nodiscard]] Scene read(BodyId body) const;
   void set_touchable(BodyId body, const std::vector<char>& touchable) const;
 
-  /// Counted when it is first asked for.
+  /// The number of pressures of mixed cells. It is counted when it is first asked for.
   [[nodiscard]] Index num_pressures(BodyId body) const;
-  /// Where the body is at rest; read when it is first asked for.
+  /// The body at rest under its load. It is read when it is first asked for.
   [[nodiscard]] const SettledBody& settled(BodyId body) const;
-  /// As kept_points(); made when it is first asked for.
+  /// The result of kept_points(). It is made when it is first asked for.
   [[nodiscard]] const std::vector<Index>& points_of(BodyId body, Keep keep) const;
 
-  /// The pressures of bodies, which need not be counted again.
+  /// The numbers of pressures of bodies that were counted already.
   using NumPressures = std::map<BodyId, Index>;
-  /// Has this taken from here, and put here, that another object has counted of the same file.
+  /// From now on numbers of pressures are looked up in `known` before they are counted, and are
+  /// added to it, so that several objects of one file share them.
   void share(NumPressures& known) { num_pressures_ = &known; }
 
  private:
-  /// What was read of a body.
+  /// The parts of a body that were read already.
   struct Read {
     std::optional<TetMesh> mesh;
     std::optional<SettledBody> settled;
@@ -80,13 +82,14 @@ class Bodies {
 
   void read_heads();
   [[nodiscard]] TetMesh read_mesh(BodyId body) const;
-  /// Reads materials, and which cell is of which. @throws InputError one is none.
+  /// Reads the materials, and which of them each cell has. @throws InputError one is no valid
+  /// material.
   void read_materials(BodyId body, Scene& scene) const;
-  /// Reads body force, densities and rest. @param scene It has its materials.
-  /// @throws InputError they are damaged.
+  /// Reads the body force, the densities and the body's rest. @param scene Its materials were read
+  /// before. @throws InputError they are damaged.
   void read_body_force(BodyId body, Scene& scene) const;
-  /// Reads what holds and loads the surface, and the rest where it is with that.
-  /// @throws InputError it is damaged.
+  /// Reads what holds and loads the surface, and the body's rest if it is stored there. @throws
+  /// InputError it is damaged.
   void read_boundary(BodyId body, Scene& scene) const;
 
   Connection& connection_;

@@ -18,7 +18,7 @@ using sqlite::Statement;
 constexpr char kAtKey[] =
     " WHERE scene_id = ? AND tool_space_id = ? AND i = ? AND j = ? AND k = ? AND level = ?";
 
-/// Binds what kAtKey asks for.
+/// Binds the parameters of kAtKey.
 void bind_key(const ToolSpaceKey& key, const CheckPoint& check_point, std::int32_t level,
               Statement& statement) {
   statement.bind(key.body);
@@ -27,7 +27,7 @@ void bind_key(const ToolSpaceKey& key, const CheckPoint& check_point, std::int32
   statement.bind(std::int64_t{level});
 }
 
-/// Makes a statement ready for the next time at the end.
+/// Resets a statement at the end of the scope, so that it is ready for the next use.
 struct Reset {
   Statement& statement;
   ~Reset() { statement.reset(); }
@@ -71,7 +71,7 @@ void Configurations::add(const ToolSpaceKey& key, const ConfigurationSummary& su
 void Configurations::insert(const ToolSpaceKey& key, const ConfigurationSummary& summary,
                             const rows::Fields& fields) {
   if (!insert_) {
-    // Through the table of tool spaces, so that nothing is stored for a tool space that is not
+    // Select from the table of tool spaces, so that nothing is stored for a tool space that is not
     // there.
     insert_.emplace(connection_.database(),
                     table_.insert_into() + " SELECT " + table_.parameters() +
@@ -213,7 +213,7 @@ bool Configurations::read_stored(const ToolSpaceKey& key, const ConfigurationSum
       }
     }
   } catch (const InputError&) {
-    // Else it cannot be read, or is larger than the fields of this body.
+    // A row that is there either cannot be read, or is larger than the fields of this body.
     if (!is_there) throw;
   }
   connection_.damage().leave_out(which(), table_.name(), row);
@@ -272,7 +272,7 @@ std::set<CheckPoint> Configurations::merge(const ToolSpaceKey& key, const Config
                                            const ToolSpaceKey& there) {
   std::set<CheckPoint> taken;
   for (Configuration& c : other.read_all(there)) {
-    // What is of no use here need not be sound there.
+    // A configuration that is of no use here need not be sound in the other file.
     if (!is_of_use(key, c) || !other.read_fields(there, c)) continue;
     add(key, c);
     if (c.level == 0) taken.insert(c.check_point);

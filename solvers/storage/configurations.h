@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// What was found in the tool spaces of a file: the table configuration.
+// SPDX-License-Identifier: BSD-3-Clause The table configuration: what was found in the tool spaces
+// of a file.
 #pragma once
 
 #include <functional>
@@ -30,14 +30,16 @@ class Configurations : private ToolSpaceRows {
 
   /// All configurations of a tool space without fields, of all levels, in the order of operator<.
   [[nodiscard]] std::vector<Configuration> read_all(const ToolSpaceKey& key) const;
-  /// Those that have their level.
+  /// The configurations that have a level, in contrast to candidates.
   [[nodiscard]] std::vector<Configuration> read_settled(const ToolSpaceKey& key) const;
-  /// Those that transitions have found and settle() was not told of.
+  /// The candidates: configurations that transitions have found, and that settle() has given no
+  /// level yet.
   [[nodiscard]] std::vector<Configuration> read_candidates(const ToolSpaceKey& key) const;
   /// Gives a candidate its level, or removes it.
   /// @param level Below zero: the candidate is removed, as it is a configuration that is known.
   void settle(const ToolSpaceKey& key, const ConfigurationSummary& candidate, std::int32_t level);
-  /// Marks those that are beyond the force limit, and no others.
+  /// Sets the flag of the configurations that are beyond the force limit, and clears it in all
+  /// others.
   void mark(const ToolSpaceSetup& setup);
 
   /// Fills in the fields u, v, p and p_v of a configuration: what is kept of them, and zero
@@ -51,30 +53,31 @@ class Configurations : private ToolSpaceRows {
                                  StoredFields& stored) const;
   /// The usable configurations of a tool space whose fields are whole, in the order of operator<.
   [[nodiscard]] std::vector<StateKey> list_whole(const ToolSpaceKey& key) const;
-  /// What is kept of the fields of one.
+  /// The part of the fields that is kept for a configuration.
   [[nodiscard]] Keep keep_of(const ToolSpaceKey& key, const ConfigurationSummary& summary) const;
-  /// Whether there is no such configuration here, or one that did not converge while the other did.
+  /// Whether a configuration of another file is worth taking over: none with its key is here, or
+  /// the one that is here did not converge while the other one did.
   [[nodiscard]] bool is_of_use(const ToolSpaceKey& key, const ConfigurationSummary& other) const;
 
-  /// Removes those of which an intermediate state is missing: they are computed again with all
-  /// states on the way to them.
+  /// Removes the configurations of which an intermediate state is missing, so that they are
+  /// computed again together with all states on the way to them.
   void remove_without_way();
-  /// Takes over those of another file that are of use here.
-  /// @param there Which tool space it is there. @returns The check-points of which level 0 came.
+  /// Takes over the configurations of another file that are of use here. @param there The key of
+  /// the tool space in that file. @returns The check-points whose level 0 was taken over.
   std::set<CheckPoint> merge(const ToolSpaceKey& key, const Configurations& other,
                              const ToolSpaceKey& there);
-  /// Reads what a conversion of the file writes again: the checksums of those of which it was
-  /// another.
+  /// Finds the rows whose checksum differs between the versions of the schema. @returns A function
+  /// that writes their checksums again, after the schema of the file was converted.
   [[nodiscard]] std::function<void()> read_for_conversion();
 
-  /// Gives back the prepared statements.
+  /// Finalises the prepared statements, so that the file can be closed.
   void release();
 
  private:
   [[nodiscard]] std::vector<Configuration> read_where(const ToolSpaceKey& key,
                                                       const std::string& condition) const;
-  /// Gives a row other numbers; its fields stay.
-  /// @param level That it is found by.
+  /// Replaces the numbers of a row, and keeps its fields. @param level The level under which the
+  /// row is stored now.
   void rewrite(const ToolSpaceKey& key, std::int32_t level,
                const ConfigurationSummary& summary) const;
   /// Inserts a row, in place of one with the same key.
@@ -82,12 +85,13 @@ class Configurations : private ToolSpaceRows {
               const rows::Fields& fields);
   /// Whether fields that are whole have the sizes of the body.
   [[nodiscard]] bool fit(BodyId body, const rows::Fields& fields) const;
-  /// A displacement that is whole has no fewer bytes; coefficients of modes have.
+  /// The least size of a displacement that is stored as a whole, bytes. Coefficients of modes take
+  /// less, by which the two are told apart.
   [[nodiscard]] std::int64_t bytes_of_whole(BodyId body) const;
 
   const Bodies& bodies_;
   const Bases& bases_;
-  /// Prepared at the first use.
+  /// This statement is prepared at its first use.
   std::optional<sqlite::Statement> insert_;
   mutable std::optional<sqlite::Statement> select_fields_;
   mutable std::optional<sqlite::Statement> select_outcome_;

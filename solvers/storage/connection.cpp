@@ -13,11 +13,11 @@
 namespace palpate::storage {
 namespace {
 
-/// A commit waits for the disk when the last one that did is so long ago: a loss of power takes no
-/// more than what was computed meanwhile, and the disk is waited for once in that time.
+/// A commit waits for the disk if the last one that did so is this long ago. So the disk is waited
+/// for once in that time, and a loss of power takes no more than what was computed in it.
 constexpr std::chrono::seconds kSyncEvery{1};
 
-/// The part of a file that is free when it is worth the time to make it smaller.
+/// It is worth the time to make a file smaller if this share of it is free.
 constexpr double kFreeShare = 0.1;
 
 }  // namespace

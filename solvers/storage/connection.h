@@ -20,31 +20,33 @@ class Connection {
   [[nodiscard]] const sqlite::Database& database() const { return database_; }
   [[nodiscard]] const std::filesystem::path& path() const { return database_.path(); }
 
-  /// Of the schema.
+  /// The version of the schema.
   [[nodiscard]] std::int64_t version() const { return version_; }
-  /// The file was made one of another version.
+  /// Call this after the file was converted to another version.
   void set_version(std::int64_t version) { version_ = version; }
   [[nodiscard]] rows::Checked checked() const;
   /// Whether a scene and a tool space have a checksum.
   [[nodiscard]] bool has_checksums() const { return version_ >= 6; }
 
-  /// From now on there is a write-ahead log.
+  /// Switches to a write-ahead log.
   /// @throws BackendError a log cannot be kept where the file is.
   void begin_to_write();
   [[nodiscard]] bool writes() const { return writes_; }
-  /// Is called before each change: decides whether its commit waits for the disk.
+  /// Call this before each change: it decides whether the commit of the change waits for the disk.
   void before_change();
-  /// Puts the log into the file and waits for the disk: what was stored so far is durable.
+  /// Puts the log into the file and waits for the disk, so that everything stored so far is
+  /// durable.
   void checkpoint() const;
-  /// Gives the disk what is free in the file, where that is worth the time.
+  /// Makes the file smaller by the pages that are free in it, if that is worth the time.
   void shrink() const;
   /// Closes the file. Nothing may be called afterwards, and no statement may be left.
   void close();
 
-  /// Lets a row hold so many bytes beside its numbers; a larger one counts as damaged.
+  /// Sets the largest size of a row beside its plain numbers, bytes. A larger row counts as
+  /// damaged.
   void make_room(std::int64_t bytes) const;
 
-  /// What was found damaged; reading adds to it.
+  /// The rows that were found damaged so far. Reading adds to them.
   [[nodiscard]] Damage& damage() const { return damage_; }
 
  private:

@@ -27,7 +27,7 @@ std::string describe_left_out(const std::filesystem::path& path,
 namespace palpate::storage {
 namespace {
 
-/// What the rows of a table belong to, besides a body.
+/// The thing that the rows of a table belong to, besides a body.
 enum class Owner { body, tool_space, model };
 
 struct Rows {
@@ -86,7 +86,7 @@ void Damage::remove_from(const sqlite::Database& database) const {
 std::vector<std::string> list_lost_rows(const sqlite::Database& database) {
   std::vector<std::string> names;
   for (const auto& [table, owner, key] : all_rows()) {
-    // Not every file has these.
+    // Not every file has these tables.
     const bool may_lack = table == "basis" || owner == Owner::model;
     if (may_lack && !has_table(database, table)) continue;
     const std::string of_table = "rows of the table " + table;

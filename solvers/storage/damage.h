@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// What is damaged in a file: what was found so, and was left out, as all of a file is read.
+// SPDX-License-Identifier: BSD-3-Clause Damage in a file: the rows that were found damaged while
+// the file was read, and so were left out.
 #pragma once
 
 #include <cstdint>
@@ -21,21 +21,22 @@ namespace palpate {
 
 namespace palpate::storage {
 
-/// @throws InputError the file is damaged, such that it is of no use.
+/// @throws InputError always: the file is damaged in such a way that it is of no use.
 [[noreturn]] void throw_damaged(const std::filesystem::path& path, const std::string& what);
 
 /// The rows that were found damaged, and so were left out.
 class Damage {
  public:
-  /// @param what Its name for a message. @param row Its number in the table; 0: it is not known.
+  /// Notes a row that is left out. @param what The name of the row, for a message. @param row Its
+  /// number in the table; 0: it is not known.
   void leave_out(const std::string& what, const std::string& table, std::int64_t row);
   /// How many rows there are.
   [[nodiscard]] std::size_t size() const { return rows_.size(); }
-  /// What they are called, each name once.
+  /// The names of the rows, each name once.
   [[nodiscard]] std::vector<std::string> names() const;
-  /// Whether one is in a table.
+  /// Whether any of the rows is in a table.
   [[nodiscard]] bool is_in(const std::string& table) const;
-  /// Removes them from the file. @throws InputError the place of one is not known.
+  /// Removes the rows from the file. @throws InputError it is not known where one of them is.
   void remove_from(const sqlite::Database& database) const;
   /// Forgets what was found.
   void clear() { rows_.clear(); }
@@ -45,12 +46,13 @@ class Damage {
     std::string table;
     std::int64_t row = 0;
   };
-  /// By name and row.
+  /// The place of each row, by its name and number.
   std::map<std::pair<std::string, std::int64_t>, Place> rows_;
 };
 
-/// The rows that belong to nothing, since their key was damaged, and those that are not in the
-/// index of their table, and so are not found by their key; for each table a text.
+/// Looks for rows that no reading finds: those whose key was damaged, so that they belong to
+/// nothing, and those that are missing in the index of their table. @returns A text for each table
+/// that has any.
 [[nodiscard]] std::vector<std::string> list_lost_rows(const sqlite::Database& database);
 
 }  // namespace palpate::storage

@@ -174,7 +174,8 @@ std::size_t FieldCache::bytes() const {
   return sum;
 }
 
-/// Of those that were used longest ago, and of a basis with the last that needs it.
+/// The entries that were used longest ago go first, and a basis goes with the last entry that needs
+/// it.
 void FieldCache::forget_old_ones() {
   while (bytes() > most_bytes_) {
     const auto oldest = std::min_element(

@@ -26,8 +26,9 @@ namespace {
 /// Large pages suit large blobs: a configuration of 160 kB is 10 pages.
 constexpr int kPageSize = 16384;
 
-/// The first bytes of the file, as SQLite's file format defines them. They are read by SQLite: when
-/// a program closes a file that it has opened otherwise, all locks that it has on it are gone.
+/// The first bytes of the file, as SQLite's file format defines them. They are read through SQLite,
+/// since a program that opens the file by other means loses all its locks on the file when it
+/// closes it.
 struct FileHeader {
   explicit FileHeader(const Database& database) { database.read_first(bytes.data(), bytes.size()); }
   [[nodiscard]] std::uint64_t number(std::size_t at, std::size_t size) const {
@@ -86,7 +87,8 @@ bool make_file(const fs::path& path, const Scene& scene, double solver_tolerance
   }
   require_short_name(path);
   Bodies::require_size(scene);
-  // It would be taken for a log of the new file, and may hold what was computed last.
+  // A log that is left there would be taken for that of the new file, and may hold the last results
+  // of an earlier one.
   for (const char* suffix : {"-wal", "-journal"}) {
     const fs::path log = path.string() + suffix;
     if (!fs::exists(path) && fs::exists(log)) {

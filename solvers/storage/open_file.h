@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// How the database of a state-space file is made, opened and closed, also where a writer was
-// killed.
+// SPDX-License-Identifier: BSD-3-Clause Creates, opens and closes the database of a state-space
+// file, also after a writer was killed.
 #pragma once
 
 #include <filesystem>
@@ -11,13 +10,13 @@
 namespace palpate::storage {
 
 /// Makes the file of a scene under a name that no file has. It appears complete or not at all.
-/// @returns False: one has it by now.
+/// @returns False: by now another file has this name.
 /// @throws InputError its folder is missing, the body is too large, or a log is there without its
 ///   file.
 [[nodiscard]] bool make_file(const std::filesystem::path& path, const Scene& scene,
                              double solver_tolerance);
 
-/// A log beside the file: a writer is at work, or was killed.
+/// Whether a log lies beside the file: then a writer is at work, or was killed.
 [[nodiscard]] bool has_log(const std::filesystem::path& path);
 
 /// Opens with the file locked for this program alone: then the log needs no shared memory, and

@@ -112,7 +112,7 @@ void ReducedModels::make_room() const {
 Arrays ReducedModels::read_arrays(const std::string& key, bool of_training) const {
   Arrays arrays;
   if (!has_any()) return arrays;
-  // Their sizes first: a row that claims more than its numbers take is not read.
+  // Read the sizes first, so that a row which claims more than its numbers take is not read.
   std::vector<std::pair<std::int64_t, rows::ReducedArrayRow>> heads;
   {
     Statement select(connection_.database(),
@@ -158,7 +158,7 @@ Arrays ReducedModels::read_arrays(const std::string& key, bool of_training) cons
         }
       }
     } catch (const InputError&) {
-      // It cannot be read.
+      // The array cannot be read.
     }
     connection_.damage().leave_out(rows::describe(row), table_.name(), row_id);
   }

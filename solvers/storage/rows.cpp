@@ -12,7 +12,7 @@
 namespace palpate::rows {
 namespace {
 
-/// Gathers numbers as they are checked, 8 bytes each.
+/// Gathers the numbers that a checksum takes in, 8 bytes each.
 struct Gather {
   std::vector<std::int64_t>& bits;
   void operator()(double x) const {
@@ -58,7 +58,7 @@ std::vector<std::int64_t> bits_of(const ToolSpaceKey& key) {
   return bits;
 }
 
-/// What a checksum of bytes begins with.
+/// The value that a checksum of bytes begins with.
 std::int64_t seed_of(BodyId body) { return body == kFirstBody ? 0 : checksum_of(bits_of(body)); }
 
 /// The numbers of a vector or matrix as they lie in memory.
@@ -90,7 +90,8 @@ bool is_in_box(const Grid& grid, const CheckPoint& c) {
                      [&](std::int32_t x) { return x >= -grid.reach() && x <= grid.reach(); });
 }
 
-/// What a number of the fields takes, as the displacements of so many points tell.
+/// The size of one number of the fields, which follows from that of the displacements of so many
+/// points, bytes.
 std::size_t bytes_of_number(const Fields& fields, std::int64_t num_points) {
   const bool is_single =
       num_points > 0 && fields[0].bytes == static_cast<std::size_t>(num_points) * 3 * sizeof(float);
@@ -190,7 +191,7 @@ std::int64_t checksum(const Fields& fields) {
 std::int64_t checksum(const ToolSpace& space, Checked checked) {
   std::vector<std::int64_t> bits = bits_of(space.setup.body);
   for_each_number_of_tool_space(space, Gather{bits}, checked);
-  // Those that have none were stored before there were any.
+  // A tool without an offset was stored by a version that had none.
   const double offset = space.setup.interaction.tool.law.offset;
   if (offset != 0) Gather{bits}(offset);
   return checksum_of(bits);

@@ -2,12 +2,13 @@
 // The rows of a state-space file: the numbers and the checksum of each kind of record, and what it
 // may hold.
 //
-// A file may be damaged, or made by anyone. A row is sound when its checksum is right and its
-// numbers are possible; what is not sound is left out. Each kind of record lists its numbers once,
+// A file may be damaged, or made by anyone. A row is sound if its checksum is right and its numbers
+// are possible. Rows that are not sound are left out. Each kind of record lists its numbers once,
 // in the order of its columns in schema.sql.h.
 //
 // A checksum takes in the number of the body, so that a row is not taken for one of another body.
-// Of the first body it does not: files of one body have had no other.
+// The first body is an exception: it was the only one in files of earlier versions, whose checksums
+// have no such number.
 #pragma once
 
 #include <algorithm>
@@ -31,8 +32,8 @@ namespace palpate::rows {
 /// Which numbers a checksum takes in. Files of earlier versions left some out, see schema.sql.h.
 enum class Checked { all, as_version_9, as_version_7, as_version_6, as_version_5 };
 
-/// Calls visit for each number of a tool space; for a checksum of an older version, for those that
-/// files had then.
+/// Calls visit for each number of a tool space. For a checksum of an older version, visits only the
+/// numbers that files had then.
 template <class Space, class Visit>
 void for_each_number_of_tool_space(Space& space, Visit&& visit, Checked checked = Checked::all) {
   auto& [id, interaction, grid, policy, body] = space.setup;
@@ -69,7 +70,7 @@ void for_each_number_of_tool_space(Space& space, Visit&& visit, Checked checked 
   visit(policy.depth);
 }
 
-/// The same for a summary.
+/// Does the same for a summary.
 template <class Summary, class Visit>
 void for_each_number_of_summary(Summary& c, Visit&& visit) {
   for (auto& x : c.check_point) visit(x);
@@ -99,7 +100,7 @@ struct BasisRow {
   PackedBasis basis;
   std::int64_t modes_checksum = 0;
 };
-/// The same for a basis.
+/// Does the same for a basis.
 template <class Row, class Visit>
 void for_each_number_of_basis(Row& row, Visit&& visit, Checked checked = Checked::all) {
   visit(row.number);
@@ -115,14 +116,14 @@ void for_each_number_of_basis(Row& row, Visit&& visit, Checked checked = Checked
   if (checked == Checked::all) visit(row.modes_checksum);
 }
 
-/// Which mode of a file of version 9 it is.
+/// The key of a mode in a file of version 9.
 struct ModeKey {
   std::int64_t basis = 0;
   std::int64_t of_pressure = 0;
   std::int64_t number = 0;
 };
 
-/// The same for a transition.
+/// Does the same for a transition.
 template <class Transition, class Visit>
 void for_each_number_of_transition(Transition& transition, Visit&& visit) {
   for (auto& x : transition.start) visit(x);
@@ -131,7 +132,7 @@ void for_each_number_of_transition(Transition& transition, Visit&& visit) {
   visit(transition.reached);
 }
 
-/// The same for an intermediate state.
+/// Does the same for an intermediate state.
 template <class State, class Visit>
 void for_each_number_of_intermediate(State& state, Visit&& visit) {
   for (auto& x : state.target) visit(x);
@@ -202,26 +203,27 @@ struct ReducedArrayRow {
 
 /// The fields of a configuration, u, v, p and p_v, as they lie in memory or in the file.
 using Fields = std::array<sqlite::Statement::Blob, 4>;
-/// In double precision.
+/// The fields of a configuration in double precision; valid as long as the configuration is.
 [[nodiscard]] Fields fields_of(const Configuration& configuration);
 /// The fields in single precision.
 using SingleFields = std::array<Eigen::MatrixXf, 4>;
 [[nodiscard]] SingleFields single_fields_of(const Configuration& configuration);
 [[nodiscard]] Fields fields_of(const SingleFields& fields);
-/// Gives a configuration fields of either precision. @param fields They fit, see fit().
+/// Sets the fields of a configuration from fields of either precision. @param fields They must fit,
+/// see fit().
 void set_fields(const Fields& fields, std::int64_t num_points, Configuration& configuration);
 
-/// What is reduced; valid as long as that is.
+/// The fields by modes; valid as long as `reduced` is.
 [[nodiscard]] Fields fields_of(const ReducedFields& reduced);
 /// The steps and the numbers of the modes; valid as long as the basis is.
 [[nodiscard]] std::array<sqlite::Statement::Blob, 2> modes_of(const PackedBasis& basis);
-/// Gives a basis the bytes of its steps and numbers.
+/// Sets the steps and the numbers of a basis.
 /// @param num_kept The points that the basis is for. @returns False: they have another length than
 ///   its head says, and nothing was copied.
 [[nodiscard]] bool set_modes(const std::array<sqlite::Statement::Blob, 2>& modes,
                              std::int64_t num_kept, PackedBasis& basis);
 [[nodiscard]] std::int64_t checksum(const std::array<sqlite::Statement::Blob, 2>& modes);
-/// Gives a configuration's fields by modes. @param fields They fit a basis, see fit_basis().
+/// The fields by modes that a row holds. @param fields They must fit a basis, see fit_basis().
 [[nodiscard]] ReducedFields reduced_of(const Fields& fields);
 
 [[nodiscard]] std::int64_t checksum(const Fields& fields);
@@ -243,7 +245,7 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 [[nodiscard]] std::int64_t checksum(BodyId body, const std::vector<char>& touchable,
                                     double solver_tolerance);
 [[nodiscard]] std::int64_t checksum(BodyId body, const SettledBody& settled);
-/// Of an array of what holds and loads the surface.
+/// The checksum of an array of what holds and loads the surface.
 [[nodiscard]] std::int64_t checksum(BodyId body, const std::string& name,
                                     sqlite::Statement::Blob numbers);
 
@@ -256,7 +258,8 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 [[nodiscard]] bool is_possible(const Grid& grid, const LevelTransition& transition);
 [[nodiscard]] bool is_possible(const Grid& grid, const IntermediateState& state);
 [[nodiscard]] bool is_possible(const TestPoint& point);
-/// @param num_cells Of the body. @param num_kept The points that the basis is for.
+/// Says the same for a basis. @param num_cells The number of cells of the body. @param num_kept The
+/// number of points that the basis is for.
 [[nodiscard]] bool is_possible(const BasisRow& row, std::int64_t num_kept, std::int64_t num_cells);
 /// Whether all numbers of the fields are finite.
 template <class OfConfiguration>
@@ -266,10 +269,12 @@ template <class OfConfiguration>
   return finite;
 }
 /// Whether the fields have the sizes that they have for such a body, all in the same precision.
-/// @param num_pressures Of the body; it counts where there are any in the fields.
+/// @param num_pressures The number of pressures of the body; it only matters if the fields have
+/// pressures.
 [[nodiscard]] bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_pressures);
 
-/// Whether they are the coefficients of modes of a basis, and not of the sizes of whole fields.
+/// Whether the fields have the sizes of coefficients by the modes of a basis, and not those of
+/// whole fields.
 [[nodiscard]] bool fit_basis(const Fields& fields, const FieldBasis& basis,
                              std::int64_t num_points);
 

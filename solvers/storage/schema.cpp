@@ -61,7 +61,7 @@ std::int64_t check_schema(const Database& database) {
     const std::string name = select.take_text();
     const std::string table = select.take_text();
     const std::string sql = select.take_text();
-    // What a primary key is looked up by.
+    // This is the index that SQLite makes for a primary key.
     if (type == "index" && sql.empty() && name == "sqlite_autoindex_" + table + "_1") continue;
     const auto expected = missing.find(name);
     if (type != "table" || expected == missing.end()) {

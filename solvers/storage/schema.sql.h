@@ -1,14 +1,12 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// The tables of a state-space file, see storage/state_space_file.h.
-//
-// Files of versions 5 to 9 are read too, see versions.h. In version 9 each mode of a basis has a
-// row, in a table "mode"; those before have no reduced fields, and neither table. In versions 5 and
-// 6 a table "site" is in place of "tool_space", and its key in the other tables is the active node:
-// that was the number of a tool space. Its checksum takes in the columns from active_node on. A
-// file of version 5 has no checksum of a scene or a tool space; its summary_checksum does not take
-// in the column checksum; this and that of an intermediate state take flags without bit 4.
-//
-// Of a body that is not the first, each checksum takes in scene_id first.
+// SPDX-License-Identifier: BSD-3-Clause The tables of a state-space file, see
+// storage/state_space_file.h. Files of versions 5 to 9 are read too, see versions.h. In version 9
+// each mode of a basis has a row of its own, in a table "mode". Files of earlier versions have no
+// reduced fields, and so neither "basis" nor "mode". In versions 5 and 6 a table "site" stands in
+// place of "tool_space". The other tables refer to it by the active node, which was the number of a
+// tool space then, and its checksum takes in the columns from active_node on. In version 5 a scene
+// and a tool space have no checksum, summary_checksum does not take in the column checksum, and it
+// takes in the flags without bit 4, as the checksum of an intermediate state does. The checksums of
+// a body that is not the first take in scene_id before all else.
 #pragma once
 
 namespace palpate::storage {
@@ -211,9 +209,9 @@ CREATE TABLE test_point (             -- equilibria by which interpolation is me
 );
 )sql";
 
-// The table of the body force is made with the file of a scene that has one. The whole displacement
-// of a configuration has that of the body at rest in it, and so have its pressures; fields by modes
-// count from there.
+// The table of the body force is made with the file of a scene that has one. The displacement and
+// the pressures of a configuration that are stored as a whole include those of the body at rest;
+// fields by modes count from the body at rest.
 inline constexpr char kBodyForceSchema[] = R"sql(
 CREATE TABLE body_force (
   scene_id     INTEGER PRIMARY KEY REFERENCES scene,

@@ -119,7 +119,7 @@ void Database::limit_row(std::int64_t bytes) const {
 void Database::read_first(void* bytes, std::size_t count) const {
   sqlite3_file* file = nullptr;
   std::memset(bytes, 0, count);
-  // What is short is filled with zeros, and is told as an error.
+  // SQLite fills a short read with zeros, and reports an error.
   const int status = sqlite3_file_control(handle_, "main", SQLITE_FCNTL_FILE_POINTER, &file);
   if (status != SQLITE_OK || file == nullptr || file->pMethods == nullptr) return;
   (void)file->pMethods->xRead(file, bytes, static_cast<int>(count), 0);
@@ -134,7 +134,7 @@ bool Database::has_moved() const {
 bool Database::is_in_transaction() const { return sqlite3_get_autocommit(handle_) == 0; }
 
 void Database::vacuum() const {
-  // It attaches what it writes.
+  // VACUUM attaches the database that it writes.
   const int attached = sqlite3_limit(handle_, SQLITE_LIMIT_ATTACHED, 1);
   try {
     execute("VACUUM");

@@ -32,15 +32,15 @@ class Database {
   /// The first column of the first row; 0 or an empty text where there is no row.
   [[nodiscard]] std::int64_t integer(const std::string& sql) const;
   [[nodiscard]] std::string text(const std::string& sql) const;
-  /// From now on a value or a row that is larger counts as damaged.
+  /// Sets the largest size of a value or a row, bytes. A larger one counts as damaged from now on.
   void limit_row(std::int64_t bytes) const;
   /// The first bytes of the file, zero beyond its end.
   void read_first(void* bytes, std::size_t count) const;
-  /// It is no longer under its name.
+  /// Whether the file was moved or removed since it was opened.
   [[nodiscard]] bool has_moved() const;
-  /// A transaction is under way.
+  /// Whether a transaction is open.
   [[nodiscard]] bool is_in_transaction() const;
-  /// Writes the file anew without what is free in it.
+  /// Writes the file anew, without free pages.
   void vacuum() const;
   /// The number of rows that the last INSERT, UPDATE or DELETE has touched.
   [[nodiscard]] std::int64_t changes() const;
@@ -48,7 +48,8 @@ class Database {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] sqlite3* handle() const { return handle_; }
 
-  /// @throws InputError the file is no state space, or damaged.
+  /// Throws the error that SQLite has reported last. @throws InputError the file is no state space,
+  /// or damaged.
   /// @throws BackendError it cannot be opened, read or written.
   [[noreturn]] void fail() const;
 
@@ -98,8 +99,8 @@ class Statement {
   int column_ = 0;
 };
 
-/// What happens while it exists is undone at its end, unless commit() was called. One that begins
-/// while another is under way is a part of that.
+/// Changes that are made while a transaction exists are undone at its end, unless commit() was
+/// called. A transaction that begins within another one is a part of that one.
 class Transaction {
  public:
   explicit Transaction(const Database& database);
@@ -109,7 +110,7 @@ class Transaction {
   void commit();
 
  private:
-  /// Null: it is a part of another, or is at its end.
+  /// Null: the transaction is a part of another one, or has ended.
   const Database* database_;
 };
 

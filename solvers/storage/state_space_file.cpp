@@ -56,7 +56,7 @@ StateSpaceFile StateSpaceFile::open_to_append(const fs::path& path, const Scene&
 StateSpaceFile StateSpaceFile::open_or_create(const fs::path& path, const Scene& scene,
                                               double solver_tolerance) {
   const fs::path target = without_links(path);
-  // Where another run is the first to make it, it is opened as one that was there.
+  // If another run creates the file first, the file is opened like one that existed before.
   if (!fs::exists(target)) (void)storage::make_file(target, scene, solver_tolerance);
   return open_to_append(target, scene, solver_tolerance);
 }

@@ -32,11 +32,10 @@
 // never takes the file, what was merged, or what was there when close() returned; of a file that is
 // being written it may take what was added within a second after the disk was last waited for.
 // close() leaves the single file; the log of a writer that was killed is taken up by the next one
-// that opens the file. One writer at a time.
-//
-// Damage. Every row has a checksum of all its columns. What is damaged is left out, and said: all
-// else is read. A file that somebody else made is trusted in nothing: its tables must be those of
-// schema.sql.h alone, its numbers possible, and no memory is taken for what it merely claims.
+// that opens the file. One writer at a time. Damage. Every row has a checksum of all its columns.
+// What is damaged is left out, and said: all else is read. A file that somebody else made is
+// trusted in nothing: its tables must be those of schema.sql.h alone, its numbers possible, and no
+// memory is taken for what it merely claims.
 #pragma once
 
 #include <filesystem>
@@ -87,7 +86,7 @@ class StateSpaceFile {
   /// Whether a writer is at work on a file, or was killed.
   [[nodiscard]] static bool is_being_written(const std::filesystem::path& path);
 
-  /// Closes without a word when something fails: call close() to know.
+  /// Closes the file, and ignores errors. Call close() to hear of them.
   ~StateSpaceFile();
   StateSpaceFile(StateSpaceFile&&) noexcept;
   StateSpaceFile& operator=(StateSpaceFile&&) noexcept;
@@ -97,18 +96,20 @@ class StateSpaceFile {
 
   /// Puts everything into the single file. Nothing may be called afterwards.
   void close();
-  /// Gives the disk what is free in the file. It may be called where nothing else is under way.
+  /// Makes the file smaller by the pages that are free in it. Call this only while nothing else is
+  /// under way.
   void shrink();
-  /// Runs `body`; what it changes becomes durable together, or where it throws not at all.
+  /// Runs `body` in one transaction: its changes become durable together, or not at all if it
+  /// throws.
   void change_together(const std::function<void()>& body);
 
   [[nodiscard]] const std::filesystem::path& path() const;
   [[nodiscard]] double solver_tolerance() const;
-  /// What was found damaged in all that was read so far, and so was left out: "configuration
-  /// (1, 0, -1) of active node 8", and rows that belong to nothing.
+  /// The names of the parts that were found damaged while the file was read so far, and so were
+  /// left out: "configuration (1, 0, -1) of active node 8", and rows that belong to nothing.
   [[nodiscard]] std::vector<std::string> left_out() const;
   /// Reads everything and removes what is damaged, so that it is computed again.
-  /// @returns What it was, as left_out().
+  /// @returns The names of the removed parts, as left_out() gives them.
   /// @throws InputError the damage is such that it cannot be told row by row.
   std::vector<std::string> remove_damaged();
 
@@ -121,7 +122,8 @@ class StateSpaceFile {
   [[nodiscard]] std::optional<BodyId> find_body(const std::string& scene_hash) const;
   /// @throws InputError there is no such body; as read_scene().
   [[nodiscard]] const std::string& scene_hash(BodyId body = kFirstBody) const;
-  /// @throws InputError also where the scene does not have the hash it is stored with.
+  /// Reads the scene of a body. @throws InputError also where the scene does not have the hash that
+  /// it is stored with.
   [[nodiscard]] Scene read_scene(BodyId body = kFirstBody) const;
 
   /// Adds a tool space to the body that it names. One that is there is extended: its box may become
@@ -147,12 +149,14 @@ class StateSpaceFile {
            const ReducedFields& reduced);
   /// All configurations of a tool space without fields, in the order of operator<.
   [[nodiscard]] std::vector<Configuration> read_summaries(const ToolSpaceKey& key) const;
-  /// What transitions have found and settle() was not told of, without fields.
+  /// The candidates, without fields: configurations that transitions have found, and that settle()
+  /// has given no level yet.
   [[nodiscard]] std::vector<Configuration> read_candidates(const ToolSpaceKey& key) const;
   /// Gives a candidate its level, or removes it.
   /// @param level Below zero: the candidate is removed, as it is a configuration that is known.
   void settle(const ToolSpaceKey& key, const ConfigurationSummary& candidate, std::int32_t level);
-  /// Whether there is no such configuration here, or one that did not converge while the other did.
+  /// Whether a configuration of another file is worth taking over: none with its key is here, or
+  /// the one that is here did not converge while the other one did.
   [[nodiscard]] bool is_of_use(const ToolSpaceKey& key, const ConfigurationSummary& other) const;
 
   /// Fills in the fields u, v, p and p_v of a configuration: what is kept of them, and zero
@@ -166,7 +170,7 @@ class StateSpaceFile {
                                  StoredFields& stored) const;
   /// The usable configurations of a tool space whose fields are whole, in the order of operator<.
   [[nodiscard]] std::vector<StateKey> list_whole(const ToolSpaceKey& key) const;
-  /// What is kept of the fields of one configuration.
+  /// The part of the fields that is kept for a configuration.
   [[nodiscard]] Keep keep_of(const ToolSpaceKey& key, const ConfigurationSummary& summary) const;
 
   void add(const ToolSpaceKey& key, const LevelTransition& transition);
@@ -182,7 +186,7 @@ class StateSpaceFile {
   [[nodiscard]] std::vector<IntermediateState> read_intermediate_states(
       const ToolSpaceKey& key) const;
 
-  /// What the fields of a finished space are reduced to.
+  /// The bases to which the fields of a finished space are reduced.
   [[nodiscard]] storage::Bases& bases();
   [[nodiscard]] const storage::Bases& bases() const;
   /// What was read of a file, and need not be read again.
@@ -190,10 +194,11 @@ class StateSpaceFile {
     storage::Bases::Known bases;
     storage::Bodies::NumPressures num_pressures;
   };
-  /// Has this taken from here, and put here, that another object has read of the same file before.
+  /// From now on parts of the file are looked up in `known` before they are read, and are added to
+  /// it, so that several objects of one file share what they have read.
   void share(Known& known);
 
-  /// The equilibria beside the configurations.
+  /// The test points: equilibria beside the configurations.
   [[nodiscard]] storage::TestPoints& test_points();
   [[nodiscard]] const storage::TestPoints& test_points() const;
 

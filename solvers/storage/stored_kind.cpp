@@ -21,7 +21,7 @@ class Bonded : public StoredKind {
   [[nodiscard]] bool is_possible(const ToolSpaceSetup& setup,
                                  std::int64_t num_points) const override {
     const InteractionSpec& tool = setup.interaction;
-    // The number says which kind it is: what is touched is looked up by it.
+    // The number must be the active node, since what is touched is looked up by it.
     return tool.kind == InteractionKind::bonded_patch && setup.id == tool.active_node &&
            !setup.grid.sparse && tool.material_point.allFinite() && tool.active_node >= 0 &&
            tool.active_node < num_points && rows::is_length(tool.tip_radius);
@@ -42,12 +42,13 @@ class Bonded : public StoredKind {
   }
 };
 
-/// There are many configurations of a rigid tool; they are displayed and solved on from.
+/// A rigid tool has many configurations, which are only displayed and used as starts of solves:
+/// single precision is enough.
 class Rigid : public StoredKind {
  public:
   [[nodiscard]] bool has_single_fields() const override { return true; }
 
-  /// Whether a tool can be made of the numbers is found when it is.
+  /// Whether a tool can be made of the numbers is only found when it is made.
   [[nodiscard]] bool is_possible(const ToolSpaceSetup& setup,
                                  std::int64_t /*num_points*/) const override {
     const RigidTool& tool = setup.interaction.tool;

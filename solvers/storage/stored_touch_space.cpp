@@ -12,8 +12,8 @@
 namespace palpate {
 namespace {
 
-/// What is reduced of the configurations, by index, empty of those that are damaged; nothing where
-/// one has its fields whole.
+/// The reduced fields of the configurations, by index, empty for damaged ones; nothing if any
+/// configuration has its fields whole.
 std::optional<std::vector<ReducedFields>> read_reduced(
     const StateSpaceFile& file, const ToolSpaceKey& key,
     const std::vector<ConfigurationSummary>& summaries) {
@@ -46,7 +46,7 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound, BodyId bod
       add_tool_space(scene, tool_space.setup, summaries, std::move(states), nullptr, {}, space);
       continue;
     }
-    // Of an active node there is one at the most.
+    // An active node has one basis at the most.
     const auto bases = file.bases().list(key);
     const auto basis = bases.empty() ? nullptr : file.bases().read(key, bases.front().number);
     if (const auto reduced = basis == nullptr ? std::nullopt : read_reduced(file, key, summaries)) {
@@ -54,7 +54,7 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound, BodyId bod
       for (const ReducedFields& of : *reduced) fields.push_back(of.v.cols() > 0 ? &of : nullptr);
       add_tool_space(scene, tool_space.setup, summaries, std::move(states), basis.get(), fields,
                      space);
-      // Those of many active nodes are not in memory twice.
+      // Forget these bases, so that those of many active nodes are not in memory twice.
       file.bases().forget();
       continue;
     }
@@ -76,7 +76,7 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound, BodyId bod
           return nullptr;
         },
         space);
-    // What is made of modes is off by their error besides.
+    // Displacements that are made of modes have the error of the modes in addition.
     if (basis != nullptr) {
       space.displacement_error += basis->displacement_error;
       space.sensitivity_error += basis->sensitivity_error;

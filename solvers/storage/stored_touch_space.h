@@ -1,5 +1,4 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// The touch space of a file.
+// SPDX-License-Identifier: BSD-3-Clause Makes the touch space of a body from its file.
 #pragma once
 
 #include "fields/reduced_fields.h"
@@ -16,7 +15,8 @@ namespace palpate {
                                           double bound = kDefaultTouchBound,
                                           BodyId body = kFirstBody);
 
-/// Does the same without modes, for a program that feels and does not show: no field is read.
+/// Does the same without modes, for a program that renders forces and shows no body. No field is
+/// read.
 [[nodiscard]] TouchSpace make_touch_space_without_modes(const StateSpaceFile& file,
                                                         BodyId body = kFirstBody);
 

@@ -12,7 +12,7 @@
 namespace palpate::storage {
 namespace {
 
-/// What stands between the commas of a list; those between parentheses do not count.
+/// The parts of a list that commas separate. Commas within parentheses do not count.
 std::vector<std::string> parts_of(const std::string& list) {
   std::vector<std::string> parts(1);
   int depth = 0;
@@ -27,7 +27,7 @@ std::vector<std::string> parts_of(const std::string& list) {
   return parts;
 }
 
-/// What stands between the first parenthesis and the last one.
+/// The text between the first parenthesis and the last one.
 std::string between_parentheses(const std::string& text) {
   const std::size_t first = text.find('(') + 1;
   return text.substr(first, text.rfind(')') - first);

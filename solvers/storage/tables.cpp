@@ -79,7 +79,7 @@ void change_together(Connection& connection, const std::function<void()>& body) 
 }
 
 void shrink(const Tables& tables) {
-  // Every row is written anew.
+  // Every row is written anew, so the largest one must fit.
   for (const auto& [body, models] : tables.reduced_models) models.make_room();
   tables.connection.shrink();
 }

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// The tables of an open file, one class for each family of them, and what concerns several.
+// SPDX-License-Identifier: BSD-3-Clause The tables of an open file, with one class for each family
+// of tables, and the functions that concern several families.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@
 namespace palpate::storage {
 
 struct Tables {
-  /// @throws InputError the file has no body, or one that is none.
+  /// @throws InputError the file has no body, or a body that cannot be one.
   explicit Tables(sqlite::Database opened);
 
   Connection connection;
@@ -36,17 +36,17 @@ struct Tables {
   std::map<BodyId, ReducedModels> reduced_models;
 };
 
-/// The body that a scene is.
-/// @throws InputError the file has none that is, or was made for another tolerance.
+/// The number of the body that has this scene. @throws InputError the file has no such body, or was
+/// made for another tolerance.
 BodyId find_body(const Tables& tables, const Scene& scene, double solver_tolerance);
 
 /// Adds a body of the organ, unless it is there. @throws InputError as Bodies::add() does.
 BodyId add_body(Tables& tables, const Scene& scene);
 
-/// Runs `body`; what it changes becomes durable together, or where it throws not at all.
+/// Runs `body` in one transaction: its changes become durable together, or not at all if it throws.
 void change_together(Connection& connection, const std::function<void()>& body);
 
-/// Gives the disk what is free in the file, where that is worth the time.
+/// Makes the file smaller by the pages that are free in it, if that is worth the time.
 void shrink(const Tables& tables);
 
 /// Adds a tool space, or extends the one that is there; then it is no longer complete, and what was

@@ -27,8 +27,8 @@ std::string ToolSpaceRows::order(const std::string& direction) const {
 
 std::vector<std::pair<std::int64_t, CheckPoint>> ToolSpaceRows::list_rows(
     const ToolSpaceKey& key, const std::string& condition) const {
-  // From both ends to where they cannot be read on. The index of the key holds all that is asked
-  // for.
+  // Read from both ends up to where the rows cannot be read. The index of the key holds all columns
+  // that are asked for.
   std::vector<std::pair<std::int64_t, CheckPoint>> listed;
   std::set<std::int64_t> numbers;
   for (const char* direction : {" ASC", " DESC"}) {

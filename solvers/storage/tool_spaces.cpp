@@ -21,7 +21,7 @@ constexpr char kContactOffset[] = "contact_offset";
 /// The oldest version in which a tool has a surface of its own.
 constexpr std::int64_t kFirstWithSurfaces = 8;
 
-/// Corners of its coarsest cells, each of which takes memory.
+/// The number of corners of its coarsest cells, each of which takes memory.
 std::int64_t coarsest_corners(const ToolSpaceSetup& setup) {
   const std::int64_t n = setup.grid.coarsest_resolution();
   return n * n * n;
@@ -33,7 +33,7 @@ std::int64_t coarsest_corners(const std::vector<ToolSpace>& tool_spaces) {
   return sum;
 }
 
-/// What the surface of a rigid tool takes in its row.
+/// The size of the surface of a rigid tool in its row, bytes.
 std::int64_t bytes_of_surface(const ToolSpaceSetup& setup) {
   const RigidTool& tool = setup.interaction.tool;
   return static_cast<std::int64_t>(tool.points.size() * sizeof(tool.points[0]) +
@@ -142,7 +142,7 @@ void ToolSpaces::read_into(BodyId body, std::vector<ToolSpace>& tool_spaces) con
 }
 
 const std::vector<ToolSpace>& ToolSpaces::read_all() const {
-  // What is read while a transaction is under way may be undone.
+  // Do not keep what is read within a transaction, since the transaction may be undone.
   if (known_ && !is_tentative_) return *known_;
   std::vector<ToolSpace> all;
   for (const BodyId body : bodies_.list()) read_into(body, all);

@@ -1,6 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// What leads from one configuration to another: the tables transition, between levels, and
-// intermediate, the states on the way.
+// SPDX-License-Identifier: BSD-3-Clause The tables of what leads from one configuration to another:
+// transition, between levels, and intermediate, the states on the way.
 #pragma once
 
 #include <functional>
@@ -19,15 +18,15 @@ class Transitions : private ToolSpaceRows {
 
   /// Adds a transition, in place of the one between the same ends.
   void add(const ToolSpaceKey& key, const LevelTransition& transition);
-  /// In the order of their ends.
+  /// All transitions of a tool space, in the order of their ends.
   [[nodiscard]] std::vector<LevelTransition> read(const ToolSpaceKey& key) const;
   /// The transitions of which both ends are among the configurations: others may have been lost.
   /// @param configurations Those of the tool space, in the order of operator<.
   [[nodiscard]] std::vector<LevelTransition> read_linked(
       const ToolSpaceKey& key, const std::vector<Configuration>& configurations) const;
 
-  /// Takes over those of another file; one that is here stays.
-  /// @param there Which tool space it is there.
+  /// Takes over the transitions of another file, except those that are here already. @param there
+  /// The key of the tool space in that file.
   void merge(const ToolSpaceKey& key, const Transitions& other, const ToolSpaceKey& there);
 
  private:
@@ -43,15 +42,16 @@ class IntermediateStates : private ToolSpaceRows {
 
   /// Adds an intermediate state, in place of one of the same number on the same way.
   void add(const ToolSpaceKey& key, const IntermediateState& state);
-  /// In the order of operator<.
+  /// All intermediate states of a tool space, in the order of operator<.
   [[nodiscard]] std::vector<IntermediateState> read(const ToolSpaceKey& key) const;
-  /// Marks those that are beyond the force limit, and no others.
+  /// Sets the flag of the states that are beyond the force limit, and clears it in all others.
   void mark(const ToolSpaceSetup& setup);
 
-  /// Takes over those of another file on the way to some check-points.
+  /// Takes over the states of another file that are on the way to some check-points.
   void merge(const ToolSpaceKey& key, const IntermediateStates& other, const ToolSpaceKey& there,
              const std::set<CheckPoint>& targets);
-  /// Reads what a conversion of the file writes again: those of which the checksum was another.
+  /// Reads the states whose checksum differs between the versions of the schema. @returns A
+  /// function that writes them again, after the schema of the file was converted.
   [[nodiscard]] std::function<void()> read_for_conversion();
 
  private:

@@ -12,7 +12,7 @@ namespace {
 
 using sqlite::Database;
 
-/// In place of the table `tool_space` before version 7.
+/// The table that stood in place of `tool_space` before version 7.
 constexpr char kSite[] =
     "CREATE TABLE site(scene_id INTEGER NOT NULL REFERENCES scene,active_node INTEGER NOT NULL,"
     "tip_radius,half_width,resolution INTEGER NOT NULL,force_limit,coarsest INTEGER NOT NULL,"
@@ -27,7 +27,7 @@ constexpr char kToolSpaceOf7[] =
     "tolerance,tolerance_is_relative INTEGER NOT NULL,history INTEGER NOT NULL,intermediate_states "
     "INTEGER NOT NULL,third_derivatives INTEGER NOT NULL,complete INTEGER NOT NULL,"
     "checksum INTEGER NOT NULL,PRIMARY KEY(scene_id,tool_space_id))";
-/// What it has since, for a tool that is bonded.
+/// The columns that were added since, with the values of a bonded tool.
 constexpr char kNoRigidTool[] =
     "0 AS tool_shape, 0.0 AS tool_radius, X'00000000000000000000000000000000000000000000F03F' AS "
     "tool_axis, 0.0 AS tool_length, NULL AS tool_points, NULL AS tool_triangles, 0.0 AS "
@@ -46,7 +46,7 @@ constexpr char kModeOf9[] =
     "CREATE TABLE mode(scene_id INTEGER NOT NULL REFERENCES scene,tool_space_id INTEGER NOT NULL,"
     "basis INTEGER NOT NULL,of_pressure INTEGER NOT NULL,number INTEGER NOT NULL,checksum INTEGER "
     "NOT NULL,field BLOB NOT NULL,PRIMARY KEY(scene_id,tool_space_id,basis,of_pressure,number))";
-/// What version 5 does not have, in the tables `scene` and `site`.
+/// The column that the tables `scene` and `site` lack in version 5.
 constexpr char kChecksumColumn[] = "checksum INTEGER";
 /// The tables whose key has the number of a tool space, which was an active node before version 7.
 constexpr const char* kTablesOfToolSpaces[] = {"configuration", "transition", "intermediate",

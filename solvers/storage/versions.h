@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// The tables of older files, and how these are shown and converted.
+// SPDX-License-Identifier: BSD-3-Clause The tables of files of older versions, which are shown as
+// those of this version, or converted.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace palpate::storage {
 /// Shows the tables of an older version under the names and with the columns of this one, to this
 /// connection alone: as temporary views. What an older version lacks is NULL.
 void show_as_this_version(const sqlite::Database& database, std::int64_t version);
-/// Makes an end of that.
+/// Removes these views again.
 void show_as_it_is(const sqlite::Database& database);
 
 /// Makes the tables of an older version those of this one. The tables `tool_space` and `basis` are
