@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The fields of configurations where they are needed one by one: of the whole body, while it is
-// touched. They are in a file, which what interpolates does not know.
+// An interface to the fields of single configurations, which are needed for the whole body while it
+// is touched. The fields are in a file, but the code that interpolates knows this interface alone.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// A configuration's share of a field: a u + v d.
+/// The share of a configuration in a field: a u + v d.
 struct FieldShare {
   ConfigurationSummary configuration;
   double a = 0;

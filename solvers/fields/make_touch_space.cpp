@@ -70,7 +70,7 @@ void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
     for (Eigen::Index c = 0; c < total; ++c) {
       const ReducedFields* of = kept[static_cast<std::size_t>(c)];
       if (of == nullptr) continue;
-      // One that was reduced before modes were added has no share of these.
+      // A configuration that was reduced before modes were added has no share of these.
       const Eigen::Index own = of->u.size();
       added.coefficients.col(c).head(own) = of->u;
       for (int a = 0; a < 3; ++a) {

@@ -13,10 +13,11 @@
 namespace palpate {
 
 /// Adds a tool space.
-/// @param configurations All, in their order.
-/// @param basis For those of an active node; ignored for a rigid tool. Null: nothing is shown.
-/// @param fields By the modes of the basis, for each configuration that is usable; one that is null
-///   is left out. Empty where there is no basis.
+/// @param configurations All configurations, in their order.
+/// @param basis The basis of the fields of an active node; ignored for a rigid tool. Null: the
+///   space shows no displacement.
+/// @param fields The coefficients by the modes of the basis, for each configuration that is usable;
+///   a configuration whose fields are null is left out. Empty where there is no basis.
 /// @throws InputError an active node that is no point of the body; as add_clearance().
 void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
                     const std::vector<ConfigurationSummary>& configurations,
@@ -26,13 +27,13 @@ void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
 /// Whether a configuration has a displacement of the size of the body, and its derivative.
 [[nodiscard]] bool has_fields(const Configuration& configuration, Index num_points);
 
-/// Gives a configuration with its fields for an index, valid until the next call, the same each
-/// time; null: it is left out.
+/// Returns the configuration of an index with its fields, valid until the next call. Each call with
+/// the same index gives the same; null: the configuration is left out.
 using WholeConfiguration = std::function<const Configuration*(std::size_t index)>;
 
 /// Reduces the usable configurations of an active node, and adds its tool space.
-/// @param configurations All, in their order.
-/// @param bound Of a surface point's error, as a share of the largest displacement.
+/// @param configurations All configurations, in their order.
+/// @param bound The largest error of a surface point, as a share of the largest displacement.
 /// @throws InputError as make_touch_space() does.
 void reduce_and_add(const Scene& scene, const ToolSpaceSetup& setup,
                     const std::vector<ConfigurationSummary>& configurations,
@@ -40,8 +41,8 @@ void reduce_and_add(const Scene& scene, const ToolSpaceSetup& setup,
                     const WholeConfiguration& whole, TouchSpace& space);
 
 /// Makes the touch space of a state space.
-/// @param space It has u and v of every usable configuration.
-/// @param bound Of a surface point's error, as a share of the largest displacement.
+/// @param space It must have u and v of every usable configuration.
+/// @param bound The largest error of a surface point, as a share of the largest displacement.
 /// @throws InputError u or v is missing or not finite, or the bound is out of range.
 [[nodiscard]] TouchSpace make_touch_space(const StateSpace& space,
                                           double bound = kDefaultTouchBound);

@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kBytesOfNumber = 4;
-/// No content is deflated to less than this share of it.
+/// Deflating makes no content smaller than by this factor.
 constexpr std::size_t kMostInflated = 1032;
 
 std::uint32_t bits_of(float number, float step) {
@@ -63,7 +63,7 @@ class Inflation {
   Inflation(const Inflation&) = delete;
   Inflation& operator=(const Inflation&) = delete;
 
-  /// Zero after the last one, and where they are damaged.
+  /// The next byte; zero after the last one, and where the content is damaged.
   [[nodiscard]] Bytef next() {
     if (at_ == size_ && !fill()) {
       is_short_ = true;
@@ -72,7 +72,7 @@ class Inflation {
     return buffer_[at_++];
   }
 
-  /// That was the last one, none was missing, and their checksum is right.
+  /// Whether the last byte was read, none was missing, and their checksum is right.
   [[nodiscard]] bool is_at_end() {
     return !is_short_ && at_ == size_ && !fill() && status_ == Z_STREAM_END;
   }

@@ -27,7 +27,7 @@ constexpr double kRangeShare = 0.25;
 /// tenth less for each mode, but a third more modes.
 constexpr double kTruncationShare = 0.7;
 
-/// Fields that are made of modes at a time.
+/// The number of fields that are made from modes at a time.
 constexpr Eigen::Index kColumnsAtATime = 256;
 
 /// ±1 at random, the same on every machine.
@@ -109,7 +109,8 @@ void PodBasis::add(const MatrixXf& bound, const MatrixXf& following) {
   };
   double error = error_of_bound();
   if (error > kTruncationShare * limit_) {
-    // More than there are fields: few random signs may be dependent.
+    // The block may have more columns than there are fields, since few random signs may be
+    // dependent.
     while (modes_.cols() < modes_.rows() && error > kRangeShare * limit_) {
       const Eigen::Index size = std::min(kBlock, modes_.rows() - modes_.cols());
       MatrixXf block = rest * random_signs(rest.cols(), size, random_);
@@ -171,7 +172,7 @@ PodFit PodBasis::finish() {
   const Eigen::Index found = modes_.cols() - given;
   MatrixXf added = modes_.rightCols(found);
   if (found > 0) {
-    // By the energy of what they represent.
+    // Order the modes by the energy of what they represent.
     const Eigen::MatrixXd b = fit.bound.bottomRows(found).cast<double>();
     const Eigen::MatrixXd f = fit.following.bottomRows(found).cast<double>();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(b * b.transpose() +

@@ -27,11 +27,12 @@ inline constexpr double kLeastPodBound = 1e-5;
 void validate_pod_bound(double bound);
 
 /// The largest length of a point's vector in any column; 0 where there is none.
-/// @param components Of a point's vector: rows that follow each other.
+/// @param components The number of components of a point's vector: rows that follow each other.
 [[nodiscard]] double largest_at_a_point(const Eigen::Ref<const Eigen::MatrixXf>& fields,
                                         int components);
 
-/// The same of modes · coefficients, of which no more than a few columns are in memory at a time.
+/// The same for the fields modes · coefficients, of which only a few columns are in memory at a
+/// time.
 [[nodiscard]] double largest_product_at_a_point(
     const Eigen::Ref<const Eigen::MatrixXf>& modes,
     const Eigen::Ref<const Eigen::MatrixXf>& coefficients, int components);
@@ -39,11 +40,11 @@ void validate_pod_bound(double bound);
 struct PodFit {
   /// [m × r]: those that the basis began with, as they were, then orthonormal columns.
   Eigen::MatrixXf modes;
-  /// Of the columns that were bound, in the order in which they came [r × their number], and of
+  /// Coefficients of the bound columns, in the order in which they came [r × their number], and of
   /// those that followed.
   Eigen::MatrixXf bound;
   Eigen::MatrixXf following;
-  /// The largest errors at any point of any of them.
+  /// The largest error at any point of any bound column, and of any that followed.
   double bound_error = 0;
   double following_error = 0;
 };
@@ -57,8 +58,7 @@ class PodBasis {
   ///   independent.
   PodBasis(Eigen::Index num_rows, int components, double limit, Eigen::MatrixXf begin = {});
 
-  /// Takes in a batch. What comes out at the end depends on the batches and their order alone.
-  /// @param bound, following [m × any].
+  /// Takes in a batch of fields [m × any]. The result depends on the batches and their order alone.
   void add(const Eigen::MatrixXf& bound, const Eigen::MatrixXf& following);
 
   /// @returns The modes and the coefficients of all batches. Nothing may be called afterwards.
@@ -74,7 +74,7 @@ class PodBasis {
   /// The largest error that is made without the last modes.
   [[nodiscard]] double error_without(Eigen::Index dropped, const Eigen::MatrixXf& modes,
                                      const Eigen::MatrixXf& coefficients) const;
-  /// The number of the modes, the first first, that keep the bound.
+  /// The number of leading modes that keep the bound.
   [[nodiscard]] Eigen::Index sufficient(const Eigen::MatrixXf& modes,
                                         const Eigen::MatrixXf& coefficients) const;
 
@@ -84,7 +84,7 @@ class PodBasis {
   /// Orthonormal; the first columns span those of begin_.
   Eigen::MatrixXf modes_;
   std::vector<Batch> batches_;
-  /// Largest errors so far.
+  /// The largest errors so far.
   double bound_error_ = 0;
   double following_error_ = 0;
   std::mt19937_64 random_{20080610};

@@ -17,16 +17,17 @@ using Eigen::VectorXf;
 
 /// The memory that the snapshots of a batch take, bytes.
 constexpr double kBytesOfBatch = 64e6;
-/// More configurations are not taken at a time.
+/// The largest number of configurations in a batch.
 constexpr double kMostInBatch = 1024;
 /// Rounding of a field to single precision, relative to the largest displacement.
 constexpr double kSinglePrecision = 6e-8;
-/// A step is looked for with which rounding takes between this share of what is left and all of it.
+/// The step is chosen such that rounding takes between this share of the remaining error and all of
+/// it.
 constexpr double kRoundingShare = 0.8;
 /// A number of steps is exact in single precision, and found again when divided by the step.
 constexpr float kMostSteps = 1 << 20;
 constexpr int kMostTries = 8;
-/// The share of what is left that the next try aims at.
+/// The share of the remaining error that the next try aims at.
 constexpr double kAim = 0.92;
 /// A limit for fields that are all zero.
 constexpr double kAnyLimit = 1;
@@ -35,7 +36,8 @@ constexpr double kAnyLimit = 1;
 struct RoundedModes {
   MatrixXf modes;
   VectorXf steps;
-  /// That rounding makes in the bound fields and in those that follow, at any point.
+  /// The largest errors that rounding makes at any point, in the bound fields and in those that
+  /// follow.
   double bound_error = 0;
   double following_error = 0;
 };
@@ -57,7 +59,7 @@ RoundedModes round_modes(const PodFit& fit, int components, const VectorXf& step
 
 /// Rounds the modes as coarsely as an error allows, all of them to the same error: the step of a
 /// mode goes with the inverse of its largest coefficient.
-/// @param given So many modes stay as they are; their steps.
+/// @param given The steps of the first modes, which stay as they are.
 RoundedModes round_modes(const PodFit& fit, int components, const VectorXf& given, double allowed) {
   VectorXf shape = VectorXf::Zero(fit.modes.cols());
   for (Eigen::Index m = given.size(); m < shape.size(); ++m) {
@@ -133,11 +135,11 @@ class Part {
   }
 
   int components_;
-  /// f is not zero throughout: the bound is that of f.
+  /// Whether any f differs from zero: then the bound is one of f.
   bool moves_;
   double scale_;
   double bound_;
-  /// Of the modes that it began with, which are not rounded.
+  /// The steps of the modes that it began with, which are not rounded again.
   VectorXf begin_steps_;
   PodBasis pod_;
 };
@@ -176,7 +178,7 @@ std::vector<Index> kept_points(const TetMesh& mesh, const Surface& surface, Keep
 
 void expand(const FieldBasis& basis, const ReducedFields& reduced, const std::vector<Index>& points,
             Index num_points, Configuration& configuration) {
-  // One that was reduced before modes were added has no share of these.
+  // A configuration that was reduced before modes were added has no share of these.
   const Eigen::Index rank = reduced.u.size();
   Eigen::MatrixXf coefficients(rank, 4);
   coefficients << reduced.u, reduced.v;

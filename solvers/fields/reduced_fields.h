@@ -5,8 +5,9 @@
 //   u ≈ M c,   ∂u/∂t_a ≈ M ∂c/∂t_a,   p ≈ P d,   ∂p/∂t_a ≈ P ∂d/∂t_a
 //
 // with a basis of modes M [3 × points kept, r] and P [pressures, s] for the configurations of a
-// tool space in a box of check-points: all those of an active node, or of a rigid tool those where
-// it is near one place of the surface, since no small basis serves a whole organ. See pod.h.
+// tool space in a box of check-points. For an active node the box holds all configurations. For a
+// rigid tool it holds those near one place of the surface, since no small basis serves a whole
+// organ. See pod.h.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +23,7 @@
 
 namespace palpate {
 
-/// What a finished space keeps of the fields. The numbers are stored: keep them.
+/// The part of the fields that a finished space keeps. The numbers are stored: keep them.
 enum class Keep : std::int32_t {
   /// Displacements of the points of the surface: it is touched and shown.
   touch = 0,
@@ -44,25 +45,25 @@ enum class Keep : std::int32_t {
 /// The default bound of a point's error, as a share of the largest displacement.
 inline constexpr double kDefaultTouchBound = 1e-3;
 
-/// What is known of a basis besides its modes.
+/// The properties of a basis besides its modes.
 struct BasisHead {
   /// The check-points whose configurations it serves.
   CheckPointBox box;
   Keep keep = Keep::touch;
-  /// Of the configurations that it was made for: the largest displacement of a point that is kept,
-  /// the largest error of a point's u, and of spacing · ∂u/∂t, m.
+  /// Figures over the configurations that it was made for: the largest displacement of a kept
+  /// point, the largest error of a point's u, and that of spacing · ∂u/∂t, m.
   double largest_displacement = 0;
   double displacement_error = 0;
   double sensitivity_error = 0;
 };
 
 struct FieldBasis : BasisHead {
-  /// [3 × kept points, r], by kept_points().
+  /// M [3 × kept points, r], in the order of kept_points().
   Eigen::MatrixXf modes;
-  /// [num_pressures, s]; without columns where nothing is mixed, or pressures are not kept.
+  /// P [num_pressures, s]; without columns if no cell is mixed, or pressures are not kept.
   Eigen::MatrixXf pressure_modes;
-  /// Of each mode, then of each pressure mode [r + s]: all its numbers are multiples of this step;
-  /// 0: they are any numbers. See packed_basis.h.
+  /// The step of each mode, then of each pressure mode [r + s]: all numbers of a mode are multiples
+  /// of its step; 0: they are any numbers. See packed_basis.h.
   Eigen::VectorXf steps;
 };
 
@@ -77,20 +78,20 @@ struct ReducedFields {
   Eigen::MatrixXf p_v;
 };
 
-/// The fields of a configuration as a file has them.
+/// The fields of a configuration as they are stored in a file.
 struct StoredFields {
-  /// Null: they are whole.
+  /// Null: the fields are whole.
   std::shared_ptr<const FieldBasis> basis;
   ReducedFields reduced;
   Configuration whole;
 };
 
 /// Gives a configuration the fields that the modes make, and zero at the points that are not kept.
-/// @param points As kept_points() of what the basis keeps.
+/// @param points The result of kept_points() for what the basis keeps.
 void expand(const FieldBasis& basis, const ReducedFields& reduced, const std::vector<Index>& points,
             Index num_points, Configuration& configuration);
 
-/// What of some configurations' fields is reduced, in single precision.
+/// The fields of some configurations that are to be reduced, in single precision.
 struct Snapshots {
   /// [3 × kept points, n], m.
   Eigen::MatrixXf u;
@@ -101,17 +102,19 @@ struct Snapshots {
   Eigen::MatrixXf p_w;
 
   Snapshots() = default;
-  /// Makes room. @param num_pressures That are kept.
+  /// Makes room for `count` configurations. @param num_pressures The number of kept pressures.
   Snapshots(Eigen::Index num_points, Eigen::Index num_pressures, Eigen::Index count);
   /// Takes the fields of a configuration for those of the given number.
-  /// @param points As kept_points(). @param step Gives ∂u/∂t the unit of u, m.
+  /// @param points The result of kept_points().
+  /// @param step The factor that gives ∂u/∂t the unit of u, m.
   void set(Eigen::Index number, const Configuration& from, const std::vector<Index>& points,
            double step);
-  /// Takes those of one configuration of others for those of the given number.
+  /// Copies the fields of one configuration from other snapshots, for the configuration of the
+  /// given number.
   void set(Eigen::Index number, const Snapshots& others, Eigen::Index of_others);
 };
 
-/// How large the fields are that a basis is made for: what its bound is a share of.
+/// The scale of the fields that a basis is made for. Its bound is a share of this scale.
 struct FieldScale {
   /// The largest displacement of a kept point, and of w, m; the largest |p| and |step · ∂p/∂t|, Pa.
   double u = 0;
@@ -119,12 +122,12 @@ struct FieldScale {
   double p = 0;
   double p_w = 0;
 
-  /// Takes in what is in some snapshots.
+  /// Takes some snapshots into account.
   void take(const Snapshots& snapshots);
   void take(const FieldScale& other);
 };
 
-/// What is reduced: the coefficients are in the order in which the configurations came.
+/// The result of a reduction. The coefficients are in the order in which the configurations came.
 struct Reduction {
   FieldBasis basis;
   std::vector<ReducedFields> fields;
@@ -133,21 +136,22 @@ struct Reduction {
 /// Makes a basis for configurations that come batch by batch, see PodBasis.
 class FieldReducer {
  public:
-  /// @param begin Its modes stay as they are, so that what was reduced by them is served further;
-  ///   null: there is none.
-  /// @param scale Of all that will come.
-  /// @param bound The largest error of a point's u, as a share of the largest; where all are zero,
-  ///   that of w; and of a pressure.
-  /// @throws InputError a bound that cannot be kept, see validate_pod_bound().
+  /// @param begin A basis that is extended. Its modes stay as they are, so that fields that were
+  ///   reduced by them stay valid; null: there is none.
+  /// @param scale The scale of all fields that will come.
+  /// @param bound The largest error of a point's u (of w where all u are zero), and that of a
+  ///   pressure, each as a share of the largest one.
+  /// @throws InputError the bound cannot be kept, see validate_pod_bound().
   FieldReducer(Eigen::Index num_points, Eigen::Index num_pressures, const FieldScale& scale,
                double step, double bound, const FieldBasis* begin);
   ~FieldReducer();
 
   void add(const Snapshots& batch);
 
-  /// The box and what is kept are those of the basis it began with, if there is one, else to be
-  /// set. The modes are rounded to multiples of steps that are as large as the bound allows.
-  /// @throws BackendError rounding is larger than the bound.
+  /// Finishes the basis. Its box and Keep are those of the basis that it extends; without one, the
+  /// caller sets them. The modes are rounded to multiples of steps that are as large as the bound
+  /// allows.
+  /// @throws BackendError rounding alone exceeds the bound.
   [[nodiscard]] Reduction finish();
 
  private:

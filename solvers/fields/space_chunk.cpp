@@ -11,7 +11,8 @@ namespace {
 
 /// Makes room for further modes and configurations, in which all is zero.
 /// @param of_column The new place of each column.
-/// @param parts The matrix has so many parts one below the other, each with a row a mode.
+/// @param parts The number of parts of the matrix, one below the other, each with one row for each
+///   mode.
 void grow(Eigen::MatrixXf& matrix, Eigen::Index rank, Eigen::Index num_columns, Eigen::Index parts,
           const std::vector<Eigen::Index>& of_column) {
   const Eigen::Index before = matrix.rows() / parts;

@@ -14,32 +14,32 @@ namespace palpate {
 struct ToolSpaceChunk {
   ToolSpaceSetup setup;
   Clearance clearance;
-  /// In the order of operator<. One that is known already replaces it.
+  /// Configurations in the order of operator<. Each replaces the one with its key, if there is one.
   std::vector<ConfigurationSummary> configurations;
-  /// In the order of operator<.
+  /// Intermediate states in the order of operator<.
   std::vector<IntermediateState> intermediate_states;
   /// The transitions between levels. All that they connect is in this chunk or in an earlier one.
   std::vector<LevelTransition> transitions;
-  /// Modes that are added to those of earlier chunks [3 × surface points, added], and what they
-  /// are good for: see TouchSpace.
+  /// Modes that are added to those of earlier chunks [3 × surface points, added], and their errors,
+  /// see TouchSpace.
   Eigen::MatrixXf modes;
   double largest_displacement = 0;
   double displacement_error = 0;
   double sensitivity_error = 0;
-  /// The fields of each configuration by the modes of all chunks up to this; one of a rigid tool,
-  /// or that is not usable, has none.
+  /// The fields of each configuration by the modes of all chunks up to this one. The configurations
+  /// of a rigid tool, and those that are not usable, have none.
   std::vector<ReducedFields> fields;
 };
 
 struct SpaceChunk {
   /// The chunks of an exploration are numbered from 1, and are to be taken in their order.
   std::int64_t number = 0;
-  /// Those tool spaces of which something was found, in the order of their numbers.
+  /// The tool spaces in which something was found, in the order of their numbers.
   std::vector<ToolSpaceChunk> tool_spaces;
 };
 
-/// Adds what a chunk has to a space that has taken all earlier ones: the space is then the one that
-/// is made of all of it at once.
+/// Adds a chunk to a space that has taken all earlier ones. The result is the same as if the space
+/// were made from all chunks at once.
 void take(const SpaceChunk& chunk, TouchSpace& space);
 
 }  // namespace palpate

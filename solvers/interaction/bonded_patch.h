@@ -42,13 +42,12 @@ class BondedPatches {
   BondedPatches(const Scene& scene, double radius, std::string name = "active node");
 
   /// A tool that is bonded to the patch around a node.
-  /// @throws InputError a node that does not exist, is in no cell, inside the body or fixed; a
-  /// patch
-  ///   that reaches a fixed point; a radius that is negative or not finite.
+  /// @throws InputError the node does not exist, is in no cell, inside the body or fixed; the patch
+  ///   reaches a fixed point; or the radius is negative or not finite.
   [[nodiscard]] BondedPatch around(Index node) const;
   /// A tool for each node, in the nodes' order.
-  /// @throws InputError as around(); no node; a node that is named twice; a patch that shares a
-  ///   point with another.
+  /// @throws InputError as around(); also if there is no node, a node is named twice, or two
+  ///   patches share a point.
   [[nodiscard]] InteractionList around_each(const std::vector<Index>& nodes) const;
 
  private:

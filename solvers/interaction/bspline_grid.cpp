@@ -13,11 +13,11 @@ namespace {
 
 constexpr Index kBelow = -1;
 constexpr Index kAbove = -2;
-/// Coefficients along the side of a brick, and in it.
+/// The number of coefficients along the side of a brick, and in a whole brick.
 constexpr int kSide = 8;
 constexpr int kShift = 3;
 constexpr int kVolume = kSide * kSide * kSide;
-/// Coefficients along each axis that act at a place.
+/// The number of coefficients along each axis that act at a place.
 constexpr int kSupport = 5;
 /// The farthest that one of them is away, in units of the spacing: 5/2 along each axis.
 const double kReach = 2.5 * std::sqrt(3.0);
@@ -81,7 +81,7 @@ BsplineGrid::BsplineGrid(const Function& distance, const Options& options)
     : spacing_(options.spacing) {
   int root = 1;
   for (int k = 0; k < 3; ++k) {
-    // Compared as numbers, since the grid may have more nodes than an index counts.
+    // Compare floating-point numbers, since the grid may have more nodes than an index counts.
     const double size = options.bounds.sizes()[k] + 2 * kReach * spacing_;
     const double num_bricks = std::ceil(size / (kSide * spacing_));
     if (!(num_bricks <= kMostBricksOfASide)) fail();
@@ -131,7 +131,7 @@ void BsplineGrid::find_bricks(const Function& distance, const Options& options, 
     end[k] = std::min(corner[k] + side, num_bricks_[k]);
     if (corner[k] >= end[k]) return;
   }
-  // From the middle to the farthest of the nodes, and from there to where its B-spline ends.
+  // The distance from the middle to the farthest node, and from there to where its B-spline ends.
   const double half = (side * kSide - 1) * 0.5;
   const double slack = (std::sqrt(3.0) * half + kReach) * spacing_;
   const Vec3 first = position({corner[0] * kSide, corner[1] * kSide, corner[2] * kSide});

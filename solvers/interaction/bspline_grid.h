@@ -22,7 +22,8 @@
 //
 // All are the largest; outside a cube the curvature of the distance is nowhere negative.
 //
-// Only the bricks of 8 × 8 × 8 coefficients are kept of which one is needed between low and high.
+// The coefficients are in bricks of 8 × 8 × 8. A brick is kept only if one of its coefficients is
+// needed between low and high.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -38,22 +39,22 @@ namespace palpate {
 class BsplineGrid {
  public:
   struct Options {
-    /// Where f is low … high, m.
+    /// A box around all places where f is low … high, m.
     Eigen::AlignedBox3d bounds;
-    /// m.
+    /// The spacing h of the grid, m.
     double spacing = 0;
     double low = 0;
     double high = 0;
   };
-  /// Bricks along one side, so that the index of all has up to 67 MB.
+  /// The largest number of bricks along one side: the index of all bricks has up to 67 MB.
   static constexpr int kMostBricksOfASide = 256;
-  /// Bricks that are kept: 268 MB.
+  /// The largest number of bricks that are kept: 268 MB.
   static constexpr std::size_t kMostBricks = 1 << 16;
 
   using Function = std::function<double(const Vec3&)>;
 
-  /// @param distance f, which changes by no more than the place does.
-  /// @throws InputError there are more bricks than above.
+  /// @param distance The function f, which changes by no more than the distance between two places.
+  /// @throws InputError the grid would need more bricks than these limits allow.
   BsplineGrid(const Function& distance, const Options& options);
 
   /// Which values f has at a place, if any of those between low and high.
@@ -74,7 +75,7 @@ class BsplineGrid {
   void find_bricks(const Function& distance, const Options& options, const Node& corner, Index side,
                    std::vector<Node>& kept);
   [[nodiscard]] std::size_t place_of_brick(const Node& brick) const noexcept;
-  /// What bricks_ has for the brick of a node; kAbove outside the grid.
+  /// The entry of bricks_ for the brick of a node; kAbove outside the grid.
   [[nodiscard]] Index brick_of(const Node& node) const noexcept;
   [[nodiscard]] Vec3 position(const Node& node) const noexcept;
   template <int kOrder>
@@ -82,9 +83,9 @@ class BsplineGrid {
             RigidShape::Jet& jet) const noexcept;
 
   double spacing_;
-  /// Of node 0, m.
+  /// The place of node 0, m.
   Vec3 origin_;
-  /// The bricks along each side of the grid.
+  /// The number of bricks along each side of the grid.
   Node num_bricks_;
   /// For each brick the place of its coefficients, in bricks, or one of kBelow and kAbove. The last
   /// index is the fastest.

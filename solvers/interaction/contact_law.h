@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How strongly a rigid tool presses what comes near to its surface: an energy of each area of the
-// body at the distance d from the tool,
+// The law of contact: how strongly a rigid tool presses what comes near to its surface. It is an
+// energy of each area of the body at the distance d from the tool,
 //
 //   ψ = κ⟨δ − g⟩⁴ / (4 δ³),   g = d + o
 //
@@ -15,7 +15,7 @@ namespace palpate {
 struct ContactLaw {
   /// δ, m.
   double thickness = 0;
-  /// κ, Pa: the pressure at g = 0, which is o inside of the tool.
+  /// κ, Pa: the pressure at g = 0, which lies o inside the tool.
   double stiffness = 0;
   /// o, m, less than δ.
   double offset = 0;
@@ -24,16 +24,16 @@ struct ContactLaw {
   struct Jet {
     /// J/m².
     double value = 0;
-    /// Less than 0: minus the pressure, Pa.
+    /// ψ′, minus the pressure, Pa; not positive.
     double slope = 0;
     /// Pa/m.
     double curvature = 0;
   };
 
-  /// How far outside of the tool the layer begins, m.
+  /// The distance outside the tool at which the layer begins, m.
   [[nodiscard]] double reach() const { return thickness - offset; }
   [[nodiscard]] bool acts_at(double distance) const { return reach() - distance > 0; }
-  /// @param distance m; one at which it acts.
+  /// @param distance The distance d, m. It must be one at which the law acts.
   [[nodiscard]] Jet evaluate(double distance) const {
     const double depth = reach() - distance;
     const double scale = stiffness / (thickness * thickness * thickness);
@@ -46,7 +46,8 @@ struct ContactLaw {
   }
 };
 
-/// @throws InputError a thickness or stiffness that is not positive, or an offset out of its range.
+/// @throws InputError the thickness or the stiffness is not positive, or the offset is out of its
+///   range.
 void validate(const ContactLaw& law);
 
 }  // namespace palpate

@@ -19,7 +19,7 @@ inline constexpr double kSpacingOfThickness = 0.7;
 
 class ContactSurface {
  public:
-  /// Takes the faces of the boundary of which a point is free to move.
+  /// Takes those faces of the boundary that have a point which is free to move.
   /// @param spacing The largest distance of neighbouring points of integration, roughly, m.
   /// @throws InputError the spacing is not positive, or so small that a face has more than
   ///   kMostDivisions.
@@ -32,7 +32,7 @@ class ContactSurface {
   static constexpr int kMostDivisions = 64;
 
   struct Face {
-    /// Corners, then midside nodes [nodes_per_face()].
+    /// The points of the mesh: corners, then midside nodes [nodes_per_face()].
     const Index* nodes = nullptr;
     /// The shape functions at its points [points × nodes_per_face()].
     const Eigen::MatrixXd* shape = nullptr;
@@ -59,7 +59,8 @@ class ContactSurface {
   [[nodiscard]] std::vector<Vec3> places(const std::vector<Vec3>& points) const;
 
  private:
-  /// @param divisions_for The number of parts of an edge of a face whose longest is that long, m.
+  /// @param divisions_for Gives the number of parts of each edge of a face whose longest edge has a
+  ///   length, m.
   ContactSurface(const Scene& scene, const std::function<int(double longest)>& divisions_for);
 
   int nodes_per_face_;
@@ -70,7 +71,7 @@ class ContactSurface {
   std::vector<Vec3> normals_;
   std::vector<double> longest_edges_;
   std::vector<double> weights_;
-  /// By the number of divisions.
+  /// The shape functions of a face, by the number of its divisions.
   std::map<int, Eigen::MatrixXd> shapes_;
 };
 

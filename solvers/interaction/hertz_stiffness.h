@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The stiffness of a contact by its pressure and force alone, where the derivative of the force is
-// not at hand, as in a motion. It is that of the contact alone, as of a body whose inertia holds
-// it; one that gives way as a whole is softer. Hertz's pressure p₀ √(1 − r²/a²) presses the layer
-// of contact in by ¾ δ (p₀/κ)^{1/3} in the mean that RigidContact::Patch::layer_depth e is made of
-// (rigid_contact.h), and so
+// not at hand, as in a motion. It is the stiffness of the contact alone, as if inertia held the
+// body in place. A body that gives way as a whole is softer. Hertz's pressure p₀ √(1 − r²/a²)
+// presses the layer of contact in by ¾ δ (p₀/κ)^{1/3} in the mean that
+// RigidContact::Patch::layer_depth e is made of (rigid_contact.h), and so
 //
 //   p₀ = κ ((δ − o − e)/(¾ δ))³,   a = √(3 F/(2π p₀)),   k = 2 E* a
 #pragma once

@@ -10,7 +10,7 @@
 //   v = dx/dq,  K_ii v_i = −∂²Π/∂x_i∂q       the sensitivity
 //   k = d²Π/dq² = ∂²Π/∂q² + (∂²Π/∂q∂x_i) v_i  the stiffness that is felt
 //
-// where of a point that is prescribed ∂/∂q is what ∂/∂u is.
+// where ∂/∂q includes ∂/∂u at the points that the tool prescribes.
 #pragma once
 
 #include <limits>
@@ -42,9 +42,9 @@ struct PotentialHessian {
   /// ∂²Φ/∂u_a∂q of a point a and coordinates of a tool, one after another.
   struct Mixed {
     Index a = 0;
-    /// The first of these.
+    /// The first of these coordinates.
     Index coordinate = 0;
-    /// [3 × number of these], N/m where these are lengths.
+    /// The derivatives [3 × number of these coordinates], N/m where the coordinates are lengths.
     PoseColumns value;
   };
   /// Each pair of points is in one order only; what is there several times is added up.
@@ -64,7 +64,7 @@ class Interaction {
   [[nodiscard]] virtual Index num_coordinates() const = 0;
   /// The points of the body that the tool prescribes, no point twice.
   [[nodiscard]] virtual std::vector<PrescribedPoint> prescribed_points() const { return {}; }
-  /// A displacement of the body that matters when the tool is at q, m.
+  /// The scale of the body's displacements when the tool is at q, m: errors are judged against it.
   [[nodiscard]] virtual double displacement_scale(const Eigen::VectorXd& q) const = 0;
   /// How far the tool, and a point of the body beside it, may move in one step of a solve, m.
   [[nodiscard]] virtual double longest_step() const {
@@ -73,8 +73,8 @@ class Interaction {
   /// Where the tool is, for a message: "a displacement of 0.01 m".
   [[nodiscard]] virtual std::string describe(const Eigen::VectorXd& q) const = 0;
 
-  /// Places in the tool that no surface of the body can come to as long as it is pressed by the
-  /// tool's, m: where the body is at one of them, the tool has gone through.
+  /// Places in the tool, m, that the body's surface cannot reach while the tool's surface presses
+  /// it. If the body is at one of them, the tool has gone through its surface.
   [[nodiscard]] virtual std::vector<Vec3> inner_places(const Eigen::VectorXd& /*q*/) const {
     return {};
   }

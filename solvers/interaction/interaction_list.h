@@ -21,8 +21,9 @@ class InteractionList final : public Interaction {
   void add(const Interaction& tool);
   [[nodiscard]] Index num_tools() const { return static_cast<Index>(tools_.size()); }
   [[nodiscard]] const Interaction& tool(Index number) const { return *tools_[number]; }
-  /// From now on a tool acts on nothing. It keeps its coordinates, which have no effect.
-  /// @param q Its coordinates now, by which the displacement of the body is measured from then on.
+  /// Lets a tool go: from now on it acts on nothing. It keeps its coordinates, which have no
+  /// effect.
+  /// @param q Its coordinates now, which give the scale of the body's displacement from then on.
   void let_go(Index number, const Eigen::VectorXd& q);
 
   [[nodiscard]] std::unique_ptr<Interaction> clone() const override;

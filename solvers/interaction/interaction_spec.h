@@ -23,17 +23,17 @@ enum class InteractionKind : std::int32_t {
   rigid_contact = 1,
 };
 
-/// What a tool is, and what of the body it acts on.
+/// What a tool is, and which part of the body it acts on.
 struct InteractionSpec {
   InteractionKind kind = InteractionKind::bonded_patch;
-  /// Of a bonded patch: the material point of the surface that the tool is bonded to: its position
-  /// at rest [3], m, and the point of the mesh that is there.
+  /// For a bonded patch: the material point of the surface that the tool is bonded to, as its
+  /// position at rest [3], m, and as the point of the mesh that is there.
   Vec3 material_point = Vec3::Zero();
   Index active_node = 0;
   /// The points of the surface patch within this distance of the material point move with it, m; 0:
-  /// the one of the mesh alone.
+  /// the point of the mesh alone.
   double tip_radius = 0;
-  /// Of a rigid contact: the tool.
+  /// For a rigid contact: the tool.
   RigidTool tool;
 
   /// See tool_kind.h.
@@ -61,20 +61,21 @@ class InteractionFactory {
  public:
   explicit InteractionFactory(Scene scene) : scene_(std::move(scene)) {}
 
-  /// @throws InputError a place where the tool cannot be, see BondedPatches::around(), or a
-  ///   rigid tool that is none, see make_contact().
+  /// @throws InputError the tool cannot be at its place, see BondedPatches::around(), or the rigid
+  ///   tool is not valid, see make_contact().
   [[nodiscard]] std::unique_ptr<Interaction> make(const InteractionSpec& spec);
-  /// Where a tool is clear of the body; null: it acts wherever it is.
-  /// @throws InputError a rigid tool that is none.
+  /// The clearance of a tool; null: the tool acts wherever it is.
+  /// @throws InputError the rigid tool is not valid.
   [[nodiscard]] std::shared_ptr<const ToolClearance> clearance(const InteractionSpec& spec);
 
-  /// What the kinds of tools make theirs of. It is made once.
+  /// The patches and contacts from which the kinds make their tools. Each is made once.
   [[nodiscard]] const BondedPatches& patches(double radius);
   [[nodiscard]] const RigidContact& contact(const RigidTool& tool) { return rigid(tool).contact; }
   [[nodiscard]] std::shared_ptr<const ToolClearance> clearance_of(const RigidTool& tool);
 
  private:
-  /// What was made of a rigid tool last: its distance and the points of its contact take time.
+  /// The parts of the rigid tool that was made last. They are kept, since its distance and the
+  /// points of its contact take time to make.
   struct Rigid {
     RigidTool tool;
     RigidContact contact;
@@ -84,7 +85,7 @@ class InteractionFactory {
 
   Scene scene_;
   std::optional<Rigid> rigid_;
-  /// By radius.
+  /// The patches that were made, by radius.
   std::map<double, BondedPatches> bonded_patches_;
 };
 

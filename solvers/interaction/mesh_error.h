@@ -18,7 +18,8 @@
 namespace palpate {
 
 /// e, as a share of the true force; 0 where nothing is touched.
-/// @param longest_edge Of the faces that are pressed, m. @param area Of the contact, m².
+/// @param longest_edge The longest edge of the pressed faces, m.
+/// @param area The area of the contact, m².
 [[nodiscard]] double expected_mesh_error(ElementOrder order, double longest_edge, double area);
 
 }  // namespace palpate

@@ -15,14 +15,14 @@
 
 namespace palpate {
 
-/// The coordinates of a tool at most: six are those of any motion.
+/// The largest number of coordinates of a tool: six describe any rigid motion.
 inline constexpr int kMaxPoseCoordinates = 6;
 /// A vector for each coordinate [3 × d].
 using PoseColumns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxPoseCoordinates>;
 
 /// A pose and its derivatives.
 struct PoseJet {
-  /// d.
+  /// The number of coordinates d.
   int num_coordinates = 0;
   /// p, m.
   Vec3 place = Vec3::Zero();
@@ -40,17 +40,17 @@ struct PoseJet {
   /// All is zero but R, which is the identity.
   explicit PoseJet(int coordinates);
 
-  /// y of a point at x.
+  /// The place y of a point at x, in the tool's axes.
   [[nodiscard]] Vec3 point(const Vec3& x) const { return rotation.transpose() * (x - place); }
-  /// m of a direction n.
+  /// The direction m of a direction n, in the tool's axes.
   [[nodiscard]] Vec3 direction(const Vec3& n) const { return rotation.transpose() * n; }
   /// ∂y/∂q of a point at rest in the scene [3 × d].
-  /// @param y Where it is in the tool's axes.
+  /// @param y The place of the point in the tool's axes.
   [[nodiscard]] PoseColumns point_by(const Vec3& y) const;
   /// ∂m/∂q of a direction n [3 × d].
   [[nodiscard]] PoseColumns direction_by(const Vec3& n) const;
   /// ∂²y/∂q_i∂q_j of a point at rest in the scene [3].
-  /// @param y Where it is in the tool's axes.
+  /// @param y The place of the point in the tool's axes.
   [[nodiscard]] Vec3 point_by_two(const Vec3& y, int i, int j) const;
   /// ∂²m/∂q_i∂q_j of a direction n [3].
   [[nodiscard]] Vec3 direction_by_two(const Vec3& n, int i, int j) const {

@@ -11,13 +11,13 @@
 namespace palpate {
 namespace {
 
-/// The share of the radius below which the root is continued by a polynomial: deep enough to be of
-/// no concern to contact, and wide enough that the curvature in it is bounded.
+/// The share of the radius below which the root is continued by a polynomial. The core is deep
+/// enough not to affect contact, and wide enough to bound the curvature in it.
 constexpr double kCore = 0.1;
-/// The share of the radius down to which the error is stated, of which it is 4/3 of that on the
-/// surface there.
+/// The share of the radius down to which the error is stated. At that depth the error is 4/3 of
+/// that on the surface.
 constexpr double kDepth = 0.25;
-/// Places at which the error is looked for, along half a seam.
+/// The number of places along half a seam at which the error is evaluated.
 constexpr int kNumErrorPlaces = 1000;
 
 /// A function of one variable with its first three derivatives.
@@ -109,7 +109,8 @@ double RoundedSegment::find_error() const {
 }
 
 std::vector<RigidShape::Ball> RoundedSegment::balls() const {
-  // A quarter of the radius apart, which leaves less than a hundredth of it between them.
+  // Place them a quarter of the radius apart, so that less than a hundredth of the radius is left
+  // between them.
   const int gaps = static_cast<int>(std::ceil(8 * half_length_ / radius_));
   std::vector<Ball> balls;
   for (int i = 0; i <= gaps; ++i) {

@@ -12,15 +12,15 @@ namespace {
 
 /// A face that looks away from the tool by more than this sine is not touched.
 constexpr double kAway = 0.5;
-/// Share of the smallest extent of a tool that it, or the surface, moves in one step at the most: a
-/// surface that went through the tool would come out on its other side.
+/// The largest step of the tool, or of the surface, as a share of the smallest extent of the tool.
+/// In a longer step, the surface could pass through the tool and come out on its other side.
 constexpr double kLongestStep = 0.5;
 
-/// Of Hertz's pressure p the mean of p^{1/3} that the force follows over that weighted by p.
+/// For Hertz's pressure p: the mean of p^{1/3} that the force follows, over the mean weighted by p.
 constexpr double kMeanOfHertz = 5.0 / 6;
 
-/// From 0 at x = 0 to 1 at x = 1 with three derivatives that vanish at both ends, and the first two
-/// of these.
+/// A ramp from 0 at x = 0 to 1 at x = 1, of which three derivatives vanish at both ends, and its
+/// first two derivatives.
 struct Ramp {
   double value, slope, curvature;
 };
@@ -46,7 +46,8 @@ Mat3 contracted(const Eigen::Matrix<double, 10, 1>& t, const Vec3& n) {
   return m;
 }
 
-/// The box around a face wherever its nodes are: around the control points of its Bézier form.
+/// A box that contains a face wherever its nodes are: the box around the control points of its
+/// Bézier form.
 Eigen::AlignedBox3d box_of(const Eigen::Matrix3Xd& places) {
   Eigen::AlignedBox3d box;
   for (int a = 0; a < 3; ++a) box.extend(places.col(a));
@@ -56,12 +57,12 @@ Eigen::AlignedBox3d box_of(const Eigen::Matrix3Xd& places) {
   return box;
 }
 
-/// What the energy of a point of integration adds to the second derivatives in which coordinates of
-/// the tool are, for each unit of area.
+/// The second derivatives of the energy of a point of integration, per unit of area, that involve
+/// coordinates of the tool.
 struct CoordinatePart {
-  /// By the place of the point and the coordinates [3 × d].
+  /// The derivatives by the place of the point and the coordinates [3 × d].
   PoseColumns mixed;
-  /// By the coordinates [d × d].
+  /// The derivatives by the coordinates [d × d].
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxPoseCoordinates, kMaxPoseCoordinates>
       of_coordinates;
 };
@@ -205,7 +206,7 @@ void RigidContact::add_hessian(const Eigen::VectorXd& q, const NodalVector& stat
   const int nodes = surface_->nodes_per_face();
   const int coordinates = pose.num_coordinates;
   const Index* last = nullptr;
-  // The blocks of the face that points are visited of.
+  // The blocks of the face whose points are being visited.
   std::size_t first_of_points = 0;
   std::size_t first_mixed = 0;
   for_each_touched_point(
@@ -245,7 +246,7 @@ RigidContact::Patch RigidContact::patch(const Eigen::VectorXd& q, const NodalVec
   result.pressure.assign(num_points, 0);
   std::vector<double> areas(num_points, 0);
   const auto share = [&](const ContactSurface::Face& face, Eigen::Index i, int a) {
-    // Those of corners are negative near the middles of edges.
+    // The shape functions of corners are negative near the middles of edges.
     return face.weights[i] * std::max((*face.shape)(i, a), 0.0);
   };
   for (Index f = 0; f < surface_->num_faces(); ++f) {

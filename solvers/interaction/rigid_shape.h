@@ -35,7 +35,8 @@ class RigidShape {
     Vec3 gradient = Vec3::Zero();
     /// [3 × 3], 1/m.
     Mat3 hessian = Mat3::Zero();
-    /// In the order xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz [10], 1/m².
+    /// The third derivatives in the order xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz [10],
+    /// 1/m².
     Eigen::Matrix<double, 10, 1> third = Eigen::Matrix<double, 10, 1>::Zero();
   };
 
@@ -46,8 +47,9 @@ class RigidShape {
   /// In the band it is C³. Farther out it is a lower bound of the distance up to error(), and at
   /// least the thickness of the band less error(): there is no contact. Its derivatives there may
   /// be zero. Deeper inside than depth() it is negative and need not be smooth; the gradient leads
-  /// out of the tool, but where several ways out are about as short.
-  /// @param order Of the highest derivative that is wanted, 0 … 3. Those above are zero.
+  /// out of the tool, except where several ways out are about equally short.
+  /// @param order The order of the highest derivative that is wanted, 0 … 3. Higher derivatives are
+  ///   zero.
   /// @returns Finite up to 1e50 m away; where the place is not finite, the value is not either.
   [[nodiscard]] virtual Jet evaluate(const Vec3& place, int order = 3) const noexcept = 0;
   [[nodiscard]] double value(const Vec3& place) const noexcept { return evaluate(place, 0).value; }
@@ -65,12 +67,13 @@ class RigidShape {
     Vec3 centre = Vec3::Zero();
     double radius = 0;
   };
-  /// Balls in the tool that come near to all of its surface: within a hundredth of the radius of a
-  /// capsule, a fifth of the bounding radius of another one. They tell how deep it is in a body.
+  /// Balls in the tool that come near to all of its surface: within a hundredth of the radius for a
+  /// capsule, and within a fifth of the bounding radius for another shape. They tell how deep it is
+  /// in a body.
   [[nodiscard]] virtual std::vector<Ball> balls() const = 0;
   /// Places in the tool, about its centre, that are as far from its surface as any around them, m:
-  /// along the segment of a capsule, along the middle of another one where that is deeper than the
-  /// band. A surface that is pressed by the tool's does not come to them.
+  /// along the segment of a capsule, or along the middle of another shape where that is deeper than
+  /// the band. A surface that the tool's surface presses does not come to them.
   [[nodiscard]] virtual std::vector<Vec3> inner_places() const = 0;
   /// For messages: "a sphere of radius 0.01 m".
   [[nodiscard]] virtual std::string description() const = 0;

@@ -3,13 +3,13 @@
 //
 // The distance to triangles has kinks: its Hessian jumps where another corner or edge is nearest
 // and is infinite at convex edges, and at concave ones the gradient jumps. So the tool has a spline
-// instead (bspline_grid.h), which is C³ where −δ/2 ≤ d ≤ δ around the surface, δ being
-// the thickness of the layer in which contact acts. It rounds edges over about the spacing h of its
+// instead (bspline_grid.h), which is C³ where −δ/2 ≤ d ≤ δ around the surface, δ being the
+// thickness of the layer in which contact acts. It rounds edges over about the spacing h of its
 // grid: its error is 0.35 h at the corners of a cube and falls with h⁴ where the surface is smooth.
 // h is the largest that keeps the error wanted, or that which is given. Where triangles stand for a
-// smooth surface a large one has the better derivatives, since it does not show them. Of a sphere
-// of radius R in triangles with edges e, the root mean square of the errors of value, gradient,
-// Hessian and third derivative is
+// smooth surface, a larger h gives better derivatives, since it does not show the triangles. Of a
+// sphere of radius R in triangles with edges e, the root mean square of the errors of value,
+// gradient, Hessian and third derivative is
 //
 //   h         e         d           ∇d        ∇²d       ∇³d
 //   0.1 R     0.13 R    0.0028 R    0.006     0.17/R    4.0/R²
@@ -18,8 +18,8 @@
 //
 // The error is measured with exact distances at places that depend on the surface and h alone:
 // points of each triangle, its corners and edges among them, up to h apart, and what lies −δ/4,
-// −δ/8, δ/2 and δ away from each along the normal. A tenth is added to the largest for what is
-// between.
+// −δ/8, δ/2 and δ away from each along the normal. A tenth is added to the largest of these errors,
+// for the places in between.
 //
 // Where the grid ends, some spacings beyond the band, the distance is the exact one inside the
 // tool, with a gradient from the nearest point of the surface and a Hessian of zero. Outside it is
@@ -37,16 +37,18 @@
 namespace palpate {
 
 struct ToolSurface {
-  /// About the tool's centre [num_points], m.
+  /// The places of the points from the tool's centre [num_points], m.
   std::vector<Vec3> points;
-  /// Places in `points`. Those of neighbours share points. They may look outward or inward.
+  /// Corners as indices into `points`. Neighbouring triangles share points. The triangles may look
+  /// outward or inward.
   std::vector<std::array<Index, 3>> triangles;
-  /// δ, of the layer in which contact acts, m.
+  /// The thickness δ of the layer in which contact acts, m.
   double thickness = 0;
   /// The largest error() that is wanted, as a share of the thickness; without effect where the
   /// spacing is given.
   double error = 0.05;
-  /// Of the grid, m; 0: about the largest, up to half the thickness, that keeps the error wanted.
+  /// The spacing of the grid, m; 0: about the largest, up to half the thickness, that keeps the
+  /// error wanted.
   double spacing = 0;
 };
 
@@ -55,8 +57,8 @@ class RigidSurface final : public RigidShape {
   /// @throws InputError a point is not finite, a triangle has no area, or the surface does not
   /// bound
   ///   one piece: it is empty, open, in several pieces, has edges of more than two triangles, or no
-  ///   inside. Or a length is out of range, or the grid would be too large. A surface that
-  ///   intersects itself is not noticed as such.
+  ///   inside. Also if a length is out of range, or the grid would be too large. Intersections of
+  ///   the surface with itself are not detected.
   explicit RigidSurface(ToolSurface tool);
 
   [[nodiscard]] Jet evaluate(const Vec3& place, int order = 3) const noexcept override;
@@ -71,7 +73,7 @@ class RigidSurface final : public RigidShape {
 
   /// The root of the mean square of the error at the places where it is measured, m.
   [[nodiscard]] double rms_error() const { return rms_error_; }
-  /// Of the grid, m.
+  /// The spacing of the grid, m.
   [[nodiscard]] double spacing() const { return spacing_; }
 
  private:

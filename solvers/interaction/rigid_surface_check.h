@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a surface of triangles is that of a tool: it bounds one piece.
+// Checks that a surface of triangles can be that of a tool: it bounds one piece.
 #pragma once
 
 #include <array>

@@ -28,7 +28,8 @@ double contact_modulus(const Material& material) {
   return modulus / (1 - poissons_ratio * poissons_ratio);
 }
 
-/// A modulus of the cells under the touchable surface, the mean by area, see mean_youngs_modulus().
+/// The mean by area of a modulus of the cells under the touchable surface, see
+/// mean_youngs_modulus().
 template <class Modulus>
 double mean_of_surface(const Scene& scene, const Modulus& modulus) {
   const TetMesh& mesh = scene.mesh;
@@ -66,7 +67,7 @@ double calibrated_offset(const ContactLaw& law, const Scene& scene) {
   return law.thickness * std::max(1 - share, 0.0);
 }
 
-/// A body resolves the tool, and its layer of contact is a layer.
+/// Checks that the mesh of a body resolves the tool, and that the layer of contact is thin enough.
 void check_size(const TetMesh& mesh, const RigidTool& tool, const RigidShape& shape) {
   if (shape_kind(tool.shape).has_radius()) {
     check_resolved(mesh, "The tool's radius (ToolRadius)", tool.radius);

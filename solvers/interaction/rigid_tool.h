@@ -19,12 +19,13 @@ enum class ToolMotion : std::int32_t { translated = 0 };
 
 struct RigidTool {
   ToolShape shape = ToolShape::sphere;
-  /// Of a sphere or capsule, m.
+  /// The radius of a sphere or capsule, m.
   double radius = 0;
-  /// Of a capsule: along its segment, and the length of that, m.
+  /// For a capsule: the direction of its segment, and the length of the segment, m.
   Vec3 axis = Vec3::UnitZ();
   double length = 0;
-  /// Of a closed surface, about the tool's centre, m, see ToolSurface.
+  /// For a closed surface: its points from the tool's centre, m, and its triangles, see
+  /// ToolSurface.
   std::vector<Vec3> points;
   std::vector<std::array<Index, 3>> triangles;
   /// How its coordinates move it, and the numbers of that kind of motion (motion_kind.h).
@@ -39,15 +40,15 @@ struct RigidTool {
   }
 };
 
-/// What the thickness and the stiffness of contact are where they are not given, in half-widths of
-/// the tool and Young's moduli of the body's surface. A layer of which neither is given is much
-/// stiffer, and calibrated: drawn back so far that at a depth of kCalibratedDepth half-widths the
-/// mean gap of Hertz's contact is 0. What counts of a layer besides is κ/δ³ alone: it is that of
-/// one of 0.05 half-widths of the usual stiffness, with the points of integration of a thicker one,
-/// which are near enough to each other (tests/benchmark/README.md). A thickness of the user's own
-/// is left as it is, so that what was computed with it stays. A surface that is much larger than it
-/// is thick, such as a plate, has a thicker layer, for else the grid of its distance would be too
-/// large: one of kLargestAreaOfThickness squares of the thickness.
+/// Defaults of the thickness and the stiffness of contact, in half-widths of the tool and in
+/// Young's moduli of the body's surface. A layer of which neither is given is much stiffer, and
+/// calibrated: drawn back so far that at a depth of kCalibratedDepth half-widths the mean gap of
+/// Hertz's contact is 0. Besides the offset only κ/δ³ matters: it is that of a layer of 0.05
+/// half-widths with the usual stiffness, while the points of integration are those of a thicker
+/// layer, which are dense enough (tests/benchmark/README.md). A thickness of the user's own is left
+/// as it is, so that what was computed with it stays. A surface that is much larger than it is
+/// thick, such as a plate, has a thicker layer, since the grid of its distance would be too large
+/// otherwise: its area is kLargestAreaOfThickness squares of the thickness.
 inline constexpr double kThicknessOfRadius = 0.2;
 inline constexpr double kLargestAreaOfThickness = 5000;
 inline constexpr double kStiffnessOfModulus = 2;
@@ -70,16 +71,17 @@ inline constexpr double kCalibratedDepth = 0.07;
 /// Young's modulus at small strain of the cells under the touchable surface, the mean by area, Pa;
 /// of the whole free surface where no face is touchable.
 [[nodiscard]] double mean_youngs_modulus(const Scene& scene);
-/// The same of E* = E/(1 − ν²), which counts where a hard tool presses without friction.
+/// The same mean of E* = E/(1 − ν²), the modulus that matters where a hard tool presses without
+/// friction.
 [[nodiscard]] double mean_contact_modulus(const Scene& scene);
 
 /// The contact of a tool with a body.
-/// @throws InputError a shape that is none, see make_capsule() and RigidSurface; a motion that is
-///   none; a thickness or stiffness that is not positive, or too thin a layer for the mesh, see
+/// @throws InputError the shape or the motion is not valid, see make_capsule() and RigidSurface; the
+///   thickness or the stiffness is not positive; or the layer is too thin for the mesh, see
 ///   ContactSurface.
 [[nodiscard]] RigidContact make_contact(const Scene& scene, const RigidTool& tool);
 
-/// Which it is, for a message: "the sphere of radius 0.01 m".
+/// The name of the tool, for a message: "the sphere of radius 0.01 m".
 [[nodiscard]] std::string name_of(const RigidTool& tool);
 
 }  // namespace palpate

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the numbers of a tool that is stored (rigid_tool.h) mean for each kind of shape. A kind
-// answers without the shape itself what the panels and plans ask for, since the distance to a
-// surface takes long to make; and it makes the shape.
+// The meaning of the numbers of a stored tool (rigid_tool.h), for each kind of shape. A kind makes
+// the shape. It also answers the questions of panels and plans without the shape, since the
+// distance to a surface takes long to compute.
 #pragma once
 
 #include <memory>
@@ -27,9 +27,9 @@ class ShapeKind {
   [[nodiscard]] virtual double reach(const RigidTool& tool, const Vec3& direction) const = 0;
   /// The least thickness of the layer of contact for which the shape can be made, m; 0: any.
   [[nodiscard]] virtual double least_thickness(const RigidTool& /*tool*/) const { return 0; }
-  /// Whether the half-width is a property of the user's own (ToolRadius).
+  /// Whether the user gives the half-width as a property (ToolRadius).
   [[nodiscard]] virtual bool has_radius() const { return true; }
-  /// For a message: "the sphere of radius 0.01 m".
+  /// The name of a tool, for a message: "the sphere of radius 0.01 m".
   [[nodiscard]] virtual std::string name(const RigidTool& tool) const = 0;
   /// @throws InputError the numbers are not those of such a shape.
   [[nodiscard]] virtual RigidShapePtr make(const RigidTool& tool) const = 0;
@@ -38,7 +38,7 @@ class ShapeKind {
   ShapeKind() = default;
 };
 
-/// The kind of a number; null: there is none, as a damaged file may say.
+/// The kind with a number; null: there is none, as with a number from a damaged file.
 [[nodiscard]] const ShapeKind* find_shape_kind(ToolShape number);
 /// @throws InputError there is none.
 [[nodiscard]] const ShapeKind& shape_kind(ToolShape number);

@@ -12,9 +12,9 @@
 namespace palpate {
 namespace {
 
-/// A gradient of the distance that is shorter is none: beyond the layer it may be zero.
+/// A shorter gradient of the distance is of no use: beyond the layer it may be zero.
 constexpr double kUsableGradient = 0.5;
-/// A face that a tool comes to from a direction looks there by at least this cosine.
+/// The least cosine between the normal of a face and the direction from which a tool comes to it.
 constexpr double kTowards = 0.5;
 
 std::vector<BoxTree::Box> boxes_of(const std::vector<Vec3>& points) {
@@ -77,7 +77,7 @@ ToolClearance::Deepest ToolClearance::deepest_of_body(const Vec3& q) const {
 
 double ToolClearance::clearance(const Vec3& q) const {
   const double of_layer = deepest_of_body(q).gap - margin_;
-  // A tool that touches nothing may still be within the body, and is as long as its centre is.
+  // A tool that touches nothing may still be within the body. It is so as long as its centre is.
   const double of_centre = body_.nearest(q).distance;
   return of_centre < 0 ? std::min(of_layer, of_centre) : of_layer;
 }
@@ -116,7 +116,7 @@ void ToolClearance::deepen(const Vec3& q, Approach& approach) const {
   if (of_body.place < 0 || !(-of_body.gap > approach.depth)) return;
   const Vec3& place = points_[static_cast<std::size_t>(of_body.place)];
   const Vec3 away = -gap_gradient(place, q);
-  // Beyond the layer a shape may have none.
+  // Beyond the layer, a shape may have no gradient.
   if (!(away.norm() > kUsableGradient)) return;
   approach.depth = -of_body.gap;
   approach.out = away.normalized();
@@ -149,7 +149,7 @@ std::optional<double> ToolClearance::way_out(const Vec3& q, const Vec3& directio
   for (double way = margin_; way < longest;) {
     const double clear = clearance(q + way * direction);
     if (clear > 0) return way;
-    // It grows by no more than the way.
+    // The clearance grows by no more than the way.
     way += is_large_ ? std::max(margin_, -clear) : margin_;
   }
   return {};
@@ -183,7 +183,7 @@ std::optional<Vec3> ToolClearance::find_start(const Vec3& q) const {
   double shortest = std::numeric_limits<double>::infinity();
   Vec3 start = q;
   for (const Vec3& direction : directions_out(q)) {
-    // Where all faces are held that look there, the tool cannot have come from there.
+    // If all faces that look in this direction are held, the tool cannot have come from there.
     if (!has_face_towards(direction)) continue;
     const std::optional<double> way = way_out(q, direction);
     if (!way || !(*way < shortest)) continue;

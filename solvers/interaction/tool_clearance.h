@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a rigid tool is clear of a body at rest, how deep it is in it elsewhere, and the way out.
+// Where a rigid tool is clear of a body at rest; elsewhere, how deep it is in the body, and the way
+// out.
 //
-// How deep a tool is tell the places of it that are deepest in the body. Of a tool that is larger
-// than the body, such as a plate on which it lies, the body's places that are deepest in the tool
-// tell it too: both are lower bounds of the way that it must go to be clear, and the larger counts.
-// Such a tool goes out by the shortest of several ways, since a deep place of a plate may be nearer
-// to the side of the body.
+// The depth of a tool follows from those of its places that are deepest in the body. For a tool
+// that is larger than the body, such as a plate on which the body lies, it also follows from the
+// body's places that are deepest in the tool. Both are lower bounds of the way that the tool must
+// go to be clear, and the larger one counts. Such a tool goes out by the shortest of several ways,
+// since a deep place of a plate may be nearer to the side of the body.
 #pragma once
 
 #include <array>
@@ -23,41 +24,43 @@ namespace palpate {
 
 class ToolClearance {
  public:
-  /// @param scene With its body at rest, where it has a body force. @param contact With its body.
+  /// @param scene It must have the body at rest, if it has a body force.
+  /// @param contact The contact of the tool with this body.
   /// @throws InputError the tool turns as it moves, or its coordinates are not the place of its
   ///   centre.
   ToolClearance(const Scene& scene, const RigidContact& contact);
 
-  /// How far the tool at q may be moved in any direction without touching the body at rest, at the
-  /// least, m: as far as nothing is in its layer of contact. Not positive: it may touch it.
+  /// A distance, m, by which the tool at q may be moved in any direction without touching the body
+  /// at rest: nothing is in its layer of contact then. Not positive: the tool may touch the body.
   [[nodiscard]] double clearance(const Vec3& q) const;
-  /// Whether the middle of the tool at q, or of a part of it, is in the body at rest. Where it
-  /// touches nothing there, it has gone through the surface.
+  /// Whether the middle of the tool at q, or of a part of it, is in the body at rest. If the tool
+  /// has no force there, it has gone through the surface.
   [[nodiscard]] bool is_inside(const Vec3& q) const;
 
   struct Approach {
-    /// How far the tool is in the body at rest, along the way out, without its layer, m; negative
-    /// where it is clear of it.
+    /// The depth of the tool in the body at rest along the way out, without its layer, m; negative
+    /// where the tool is clear of the body.
     double depth = 0;
     /// The way out, of unit length: the normal of the surface where the tool is deepest.
     Vec3 out = Vec3::UnitZ();
-    /// The place of the surface at rest that is left last on that way, m.
+    /// The place of the surface at rest that the tool leaves last on that way, m.
     Vec3 touched = Vec3::Zero();
     /// The points of the mesh around that place.
     std::array<Index, 3> around{};
   };
   [[nodiscard]] Approach approach(const Vec3& q) const;
-  /// The place of the tool at which it is so deep in a surface that is flat around a point of it,
-  /// m: what approach() says, but where the body is curved.
-  /// @param normal Of the surface, outward, of unit length. @param depth m; negative: clear of it.
+  /// The place of the tool at which it has a depth in a surface that is flat around a point, m. It
+  /// is the inverse of approach(), except where the body is curved.
+  /// @param normal The outward normal of the surface, of unit length.
+  /// @param depth The depth, m; negative: the tool is clear of the surface.
   [[nodiscard]] Vec3 pressed(const Vec3& point, const Vec3& normal, double depth) const;
 
-  /// The nearest place on the way out from which the tool comes to q, and where it does not touch
-  /// the body at rest yet, m. It is q itself where the tool does not touch there.
-  /// @throws InputError there is none: the place is not finite, or that way leads through another
+  /// The nearest place on the way out at which the tool does not touch the body at rest, m. It is
+  /// where the tool comes from to reach q, and q itself if the tool does not touch there.
+  /// @throws InputError there is no such place: q is not finite, or the way leads through another
   ///   part of the body.
   [[nodiscard]] Vec3 start_for(const Vec3& q) const;
-  /// The same, and nothing where there is none.
+  /// Does the same, and returns nothing where there is no such place.
   [[nodiscard]] std::optional<Vec3> find_start(const Vec3& q) const;
 
   /// The box in which the tool touches the body at rest, m.
@@ -72,13 +75,14 @@ class ToolClearance {
   struct Deepest {
     /// The signed distance to the tool, m.
     double gap = 0;
-    /// In points_; −1: none is within reach.
+    /// An index into points_; −1: none is within reach.
     Index place = -1;
   };
   [[nodiscard]] Deepest deepest_of_body(const Vec3& q) const;
-  /// Lets the places of the body in the tool have their say.
+  /// Takes the places of the body that lie in the tool into account.
   void deepen(const Vec3& q, Approach& approach) const;
-  /// How far the tool must go in a direction until it touches nothing, m; nothing: too far.
+  /// The distance that the tool must go in a direction until it touches nothing, m; nothing: it is
+  /// too far.
   [[nodiscard]] std::optional<double> way_out(const Vec3& q, const Vec3& direction) const;
   /// Whether a face that may be pressed looks in a direction.
   [[nodiscard]] bool has_face_towards(const Vec3& direction) const;

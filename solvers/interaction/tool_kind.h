@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the numbers of a tool that is stored (interaction_spec.h) mean for each kind of tool. What
-// depends on the kind is asked of it here, so that a new kind is one more class, and nothing else
-// has to tell kinds apart.
+// The meaning of the numbers of a stored tool (interaction_spec.h), for each kind of tool.
+// Everything that depends on the kind is a function of this class, so that a new kind is one more
+// class, and nothing else has to tell kinds apart.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,7 @@ class ToolKind {
 
   /// The number by which it is stored.
   [[nodiscard]] virtual InteractionKind number() const = 0;
-  /// For a message: "active node 8", "the sphere of radius 0.01 m".
+  /// The name of a tool, for a message: "active node 8", "the sphere of radius 0.01 m".
   [[nodiscard]] virtual std::string name(const InteractionSpec& spec) const = 0;
   /// Whether the tool presses the body anywhere: its coordinates are then its own place, and there
   /// are places where it touches nothing. Other tools hold the body around one point, and their
@@ -31,11 +31,11 @@ class ToolKind {
   /// The shape by which the tool is shown.
   [[nodiscard]] virtual RigidTool shown_shape(const InteractionSpec& spec) const = 0;
 
-  /// @param of What was made for a scene already.
+  /// Makes the tool. @param of The factory of the scene, with the parts that it has made already.
   /// @throws InputError the tool cannot be in that scene, see InteractionFactory::make().
   [[nodiscard]] virtual std::unique_ptr<Interaction> make(const InteractionSpec& spec,
                                                           InteractionFactory& of) const = 0;
-  /// Where the tool touches nothing; null: it acts wherever it is.
+  /// The places where the tool touches nothing; null: it acts wherever it is.
   [[nodiscard]] virtual std::shared_ptr<const ToolClearance> clearance(
       const InteractionSpec& /*spec*/, InteractionFactory& /*of*/) const {
     return nullptr;
@@ -45,8 +45,7 @@ class ToolKind {
   ToolKind() = default;
 };
 
-/// The kind of a number.
-/// @throws InputError there is none.
+/// The kind with a number. @throws InputError there is none.
 [[nodiscard]] const ToolKind& tool_kind(InteractionKind number);
 
 /// Adds a kind for as long as the program runs. Call this before any tool of the kind is made.

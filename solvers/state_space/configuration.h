@@ -78,14 +78,15 @@ using ThirdDerivative = Eigen::Matrix<double, 10, 1>;
 /// A configuration without its fields.
 struct ConfigurationSummary {
   CheckPoint check_point{};
-  /// Which of the equilibria at this check-point it is, 0 the first. Below zero it is a candidate,
-  /// which a transition from a neighbour has found and which may be known, see candidate_level().
+  /// The number of this equilibrium among those at its check-point, from 0. Below zero the
+  /// configuration is a candidate: a transition from a neighbour has found it, and it may turn out
+  /// to be a known one, see candidate_level().
   std::int32_t level = 0;
   /// The configuration whose state was the start of the transition to this one; rest is its own
   /// parent.
   CheckPoint parent{};
   std::int32_t parent_level = 0;
-  /// Coordinates of the tool t [3], m: of one that is bonded its displacement from rest.
+  /// Coordinates of the tool t [3], m; for a bonded tool its displacement from rest.
   Vec3 t = Vec3::Zero();
   /// Potential energy at equilibrium Π, J.
   double energy = 0;
@@ -104,23 +105,23 @@ struct ConfigurationSummary {
   double minimum_det_f = 1;
   std::int32_t negative_pivots = 0;
   std::int32_t iterations = 0;
-  /// Tells displacements apart: Σ s_n u_n / √num_points [3], s_n = ±1 at random, m. Between two
-  /// states it differs by about the root mean square of the difference of u.
+  /// A signature that tells displacements apart: Σ s_n u_n / √num_points [3], s_n = ±1 at random,
+  /// m. Between two states it differs by about the root mean square of the difference of u.
   Vec3 signature = Vec3::Zero();
   /// Where history matters, the level that the body is on after it was moved from here to each
   /// neighbour.
   Reached reached = filled_with_not_tried();
-  /// Time the transition took, s.
+  /// Time that the transition took, s.
   double seconds = 0;
 
-  /// It may be interpolated: it has converged, and so has a force and a stiffness.
+  /// Whether it may be interpolated: it has converged, and so has a force and a stiffness.
   [[nodiscard]] bool usable() const { return outcome == Outcome::converged; }
-  /// Other configurations may be reached from it: it is usable and within the force limit.
+  /// Whether other configurations may be reached from it: it is usable and within the force limit.
   [[nodiscard]] bool leads_on() const {
     return usable() && (flags & flags::beyond_force_limit) == 0;
   }
   [[nodiscard]] bool has_third_derivative() const { return third_derivative.allFinite(); }
-  /// Transitions between levels were made from here, or have led here.
+  /// Whether transitions between levels were made from here, or have led here.
   [[nodiscard]] bool has_history() const {
     return level != 0 || reached != filled_with_not_tried();
   }
@@ -133,7 +134,7 @@ struct ConfigurationSummary {
   }
 };
 
-/// The largest force of those that lead on, N.
+/// The largest force of the configurations that lead on, N.
 [[nodiscard]] inline double largest_force(const std::vector<ConfigurationSummary>& configurations) {
   double largest = 0;
   for (const ConfigurationSummary& c : configurations) {
@@ -149,7 +150,7 @@ struct IntermediateState {
   CheckPoint target{};
   /// Its number along the way, from 1.
   std::int32_t number = 1;
-  /// Coordinates of the tool t [3], m: of one that is bonded its displacement from rest.
+  /// Coordinates of the tool t [3], m; for a bonded tool its displacement from rest.
   Vec3 t = Vec3::Zero();
   /// Potential energy, J.
   double energy = 0;
@@ -157,7 +158,7 @@ struct IntermediateState {
   Vec3 force = Vec3::Zero();
   Outcome outcome = Outcome::not_converged;
   Flags flags = 0;
-  /// Time it took, s.
+  /// Time that the solve took, s.
   double seconds = 0;
 
   [[nodiscard]] bool usable() const { return outcome == Outcome::converged; }

@@ -15,7 +15,7 @@ namespace palpate {
 /// A tool space with what was found in it.
 struct ToolSpace {
   ToolSpaceSetup setup;
-  /// Nothing is left to explore: a run has nothing to add.
+  /// Whether nothing is left to explore, so that a run has nothing to add.
   bool complete = false;
   /// These are in the order of operator<.
   std::vector<Configuration> configurations;
@@ -27,8 +27,8 @@ struct ToolSpace {
                                           std::int32_t level = 0) const;
 };
 
-/// Lets the fields of a configuration count from the body at rest, or from its mesh as they do
-/// where they are whole. Without a load, and where it has no fields, it stays as it is.
+/// Makes the fields of a configuration count from the body at rest, or from its mesh, as whole
+/// fields do. Nothing changes if the body has no load, or the configuration no fields.
 void count_from_rest(const SettledBody& settled, Configuration& configuration);
 void count_from_mesh(const SettledBody& settled, Configuration& configuration);
 
@@ -41,7 +41,7 @@ struct StateSpace {
   /// The tool spaces in the order of their numbers.
   std::vector<ToolSpace> tool_spaces;
 
-  /// The tool space of a number, or nullptr.
+  /// The tool space with this number, or nullptr.
   [[nodiscard]] const ToolSpace* find(ToolSpaceId id) const;
 };
 

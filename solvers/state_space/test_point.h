@@ -27,14 +27,15 @@ enum class TestKind : std::int32_t {
   near_rest = 2,
 };
 
-/// What tells sets of test points apart: the tool space, its tip and box, and the seed of the
-/// random numbers.
+/// The key of a set of test points: the tool space, its tip and box, and the seed of the random
+/// numbers.
 struct TestSet {
-  /// Of a rigid tool a number below zero that stands for the tool.
+  /// The number of the tool space. For a rigid tool it is a number below zero that stands for the
+  /// tool.
   ToolSpaceId tool_space = 0;
-  /// Of a rigid tool half of its width, m.
+  /// The radius of the tip, m. For a rigid tool it is half of the tool's width.
   double tip_radius = 0;
-  /// Of a rigid tool the largest depth, m.
+  /// Half the side of the box of check-points, m. For a rigid tool it is the largest depth.
   double half_width = 0;
   std::int64_t seed = 1;
   BodyId body = kFirstBody;
@@ -42,24 +43,26 @@ struct TestSet {
 
 struct TestPoint {
   TestKind kind = TestKind::uniform;
-  /// Its number among the points of its kind, from 0.
+  /// The number of the point among those of its kind, from 0.
   std::int32_t number = 0;
   /// Coordinates of the tool t [3], m.
   Vec3 t = Vec3::Zero();
-  /// Potential energy, J, force that holds the tool, N, and its stiffness, N/m; 0 where it did not
-  /// converge.
+  /// Potential energy, J, force that holds the tool, N, and its stiffness, N/m; 0 if the solve did
+  /// not converge.
   double energy = 0;
   Vec3 force = Vec3::Zero();
   Mat3 stiffness = Mat3::Zero();
   Outcome outcome = Outcome::not_converged;
   Flags flags = 0;
-  /// Time it took, s, without that of its anchor; on a slide, with that of the press beside it.
+  /// Time that the solve took, s, without that of its anchor; for a step of a slide, with that of
+  /// the press beside it.
   double seconds = 0;
   /// Displacement at sample_points() [3 × their number], m; empty where it did not converge.
   Eigen::VectorXf displacement;
 
-  /// It converged to a state that is not inverted nor found to be unstable, without a jump on the
-  /// way. Only directions along which the solve looked would tell of an instability.
+  /// Whether the solve converged, without a jump on the way, to a state that is not inverted nor
+  /// found to be unstable. Only directions along which the solve looked would tell of an
+  /// instability.
   [[nodiscard]] bool regular() const {
     return outcome == Outcome::converged &&
            (flags & (flags::inverted | flags::unstable | flags::near_fold)) == 0;
@@ -90,9 +93,9 @@ void for_each_number_of_test_point(Point& point, Visit&& visit) {
 /// The number of points of the surface at which displacements are compared.
 inline constexpr Index kSamplePoints = 64;
 
-/// The points at which displacements are compared, by their places in the surface's list,
-/// ascending. They are chosen at random but always the same; all where there are no more than
-/// kSamplePoints.
+/// The points at which displacements are compared: indices into the surface's points, ascending.
+/// They are chosen at random, but are always the same. If there are no more than kSamplePoints, all
+/// are taken.
 [[nodiscard]] std::vector<Index> sample_points(const Surface& surface);
 
 }  // namespace palpate

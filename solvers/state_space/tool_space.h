@@ -75,25 +75,25 @@ struct Grid {
 
 /// How far the exploration goes, and what is kept.
 struct ExplorationPolicy {
-  /// Force limit of the device, N; 0 is none.
+  /// Force limit of the device, N; 0: there is none.
   double force_limit = 0;
   /// The error of the force that was asked for, N; 0: the grid is uniform.
   double tolerance = 0;
-  /// The tolerance is a share of the largest force, not a number of N.
+  /// Whether the tolerance is a share of the largest force, and not in N.
   bool tolerance_is_relative = false;
   History history = History::flat;
   /// The number of intermediate states on the way to each configuration.
   std::int32_t intermediate_states = 0;
-  /// Each configuration has its third derivative.
+  /// Whether each configuration has its third derivative.
   bool third_derivatives = false;
-  /// Of a rigid tool: how deep it presses, m; 0: as deep as the force limit allows.
+  /// The largest depth to which a rigid tool presses, m; 0: as deep as the force limit allows.
   double depth = 0;
 
   [[nodiscard]] bool is_beyond_limit(const Vec3& force) const {
     return force_limit > 0 && force.norm() > force_limit;
   }
-  /// The flags of a state with such a force: flags::beyond_force_limit is among them where it is
-  /// beyond, and nowhere else.
+  /// The flags of a state with this force: flags::beyond_force_limit is set if the force is beyond
+  /// the limit, and cleared otherwise.
   [[nodiscard]] Flags marked(Flags of_state, const Vec3& force) const {
     return is_beyond_limit(force) ? of_state | flags::beyond_force_limit
                                   : of_state & ~flags::beyond_force_limit;
@@ -114,22 +114,21 @@ struct ExplorationPolicy {
   return policy.tolerance * (policy.tolerance_is_relative ? largest_force(found) : 1);
 }
 
-/// The number of a body, one discretisation of an organ, among those of a file.
+/// The number of a body, which is one discretisation of an organ, within a file.
 using BodyId = std::int64_t;
 inline constexpr BodyId kFirstBody = 1;
 
-/// The number by which a tool space is known among those of a body: that of the active node where
-/// there is one.
+/// The number of a tool space within its body: the active node, if it has one.
 using ToolSpaceId = std::int64_t;
 /// The number that a rigid tool's space is given.
 inline constexpr ToolSpaceId kContactToolSpace = -1;
 
-/// The number by which a tool space is known in a file.
+/// The key of a tool space in a file.
 struct ToolSpaceKey {
   ToolSpaceId id = 0;
   BodyId body = kFirstBody;
 
-  /// A number alone is that of a tool space of the first body.
+  /// Without a body, the tool space is one of the first body.
   ToolSpaceKey(ToolSpaceId of_tool_space, BodyId of_body = kFirstBody)
       : id(of_tool_space), body(of_body) {}
 };
@@ -146,12 +145,12 @@ struct ToolSpaceSetup {
   InteractionSpec interaction;
   Grid grid;
   ExplorationPolicy policy;
-  /// That it stands on.
+  /// The body that the tool touches.
   BodyId body = kFirstBody;
 
   [[nodiscard]] ToolSpaceKey key() const { return {id, body}; }
-  /// Which it is, for a message: "active node 8", or of another body than the first "active node 8
-  /// of body 2".
+  /// The name for a message: "active node 8", or for another body than the first "active node 8 of
+  /// body 2".
   [[nodiscard]] std::string name() const {
     return interaction.name() + (body == kFirstBody ? "" : " of body " + std::to_string(body));
   }
@@ -170,7 +169,7 @@ struct ToolSpaceSetup {
          a.policy == b.policy;
 }
 
-/// Which state it is: the tool space, the check-point, and which of the equilibria there.
+/// The key of a state: the tool space, the check-point, and the level of the equilibrium there.
 struct StateKey {
   ToolSpaceId tool_space = 0;
   CheckPoint check_point{};

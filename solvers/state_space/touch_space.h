@@ -28,8 +28,8 @@ struct TouchToolSpace {
   std::vector<ConfigurationSummary> configurations;
   /// These are in the order of operator<; empty where the tool space has none.
   std::vector<IntermediateState> intermediate_states;
-  /// Modes of the surface displacement [3 × surface points, r], see fields/reduced_fields.h; that
-  /// of a rigid tool has none here.
+  /// Modes of the surface displacement [3 × surface points, r], see fields/reduced_fields.h; the
+  /// tool space of a rigid tool has none here.
   Eigen::MatrixXf modes;
   /// c of the surface displacement u ≈ modes · c [r × num_configurations], m; 0 where a
   /// configuration is not usable.
@@ -38,19 +38,20 @@ struct TouchToolSpace {
   Eigen::MatrixXf coefficient_gradients;
 };
 
-/// Gives the tool space of a rigid tool its clearance; one that is bonded has none. A configuration
-/// that feels nothing though the tool is in the body at rest has gone through the surface. Earlier
-/// versions took it for converged; here its outcome becomes Outcome::tool_inside.
-/// @throws InputError a tool that is none, see make_contact() and ToolClearance.
+/// Gives the tool space of a rigid tool its clearance; a bonded tool has none. If a configuration
+/// has no force although the tool is in the body at rest, the tool has gone through the surface.
+/// Earlier versions took such a configuration for converged; here its outcome becomes
+/// Outcome::tool_inside.
+/// @throws InputError the tool is not valid, see make_contact() and ToolClearance.
 void add_clearance(const Scene& scene, TouchToolSpace& tool_space);
-/// The same with the clearance of the rigid tool.
+/// Does the same with a clearance that was made before.
 void add_clearance(std::shared_ptr<const ToolClearance> clearance, TouchToolSpace& tool_space);
 
 struct TouchSpace {
   std::string scene_hash;
   /// The file that has the fields; empty: there is none.
   std::string file;
-  /// Of the body at rest: displacements count from there.
+  /// The surface of the body at rest, from which displacements count.
   Surface surface;
   /// The tool spaces in the order of their numbers.
   std::vector<TouchToolSpace> tool_spaces;
@@ -66,8 +67,8 @@ struct TouchSpace {
 
   /// The tool space at an active node, or nullptr.
   [[nodiscard]] const TouchToolSpace* find(ToolSpaceId id) const;
-  /// The tool space whose tool presses the body anywhere, or nullptr. A space may have several: all
-  /// that feels and shows a tool that presses takes the first one by number, which this finds.
+  /// The tool space whose tool presses the body anywhere, or nullptr. A space may have several:
+  /// haptic rendering and display use the first one by number, which this function returns.
   [[nodiscard]] const TouchToolSpace* find_pressing() const;
 };
 

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause The table basis: the modes to which the fields of a
-// finished space are reduced.
+// SPDX-License-Identifier: BSD-3-Clause
+// The table basis: the modes to which the fields of a finished space are reduced.
 #pragma once
 
 #include <cstdint>
@@ -61,8 +61,8 @@ class Bases {
   /// Gives back the memory of everything that was read, also of what is shared.
   void forget_all() const;
 
-  /// Reads all bases. @returns A function that writes them again, after the schema of the file was
-  /// converted.
+  /// Reads all bases.
+  /// @returns A function that writes them again, after the schema of the file was converted.
   [[nodiscard]] std::function<void()> read_for_conversion();
 
  private:

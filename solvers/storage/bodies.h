@@ -31,8 +31,8 @@ struct BodyHead {
 
 class Bodies {
  public:
-  /// Reads the heads. @throws InputError there is no first body, or a body is larger than a file
-  /// can hold.
+  /// Reads the heads.
+  /// @throws InputError there is no first body, or a body is larger than a file can hold.
   explicit Bodies(Connection& connection);
 
   /// Writes the first body of a new file.
@@ -54,8 +54,8 @@ class Bodies {
   /// The solver tolerance, which all bodies of a file have in common.
   [[nodiscard]] double solver_tolerance() const { return head(kFirstBody).solver_tolerance; }
 
-  /// Reads a body. @throws InputError it is damaged: it does not have the hash that it is stored
-  /// with.
+  /// Reads a body.
+  /// @throws InputError it is damaged: it does not have the hash that it is stored with.
   [[nodiscard]] Scene read(BodyId body) const;
   void set_touchable(BodyId body, const std::vector<char>& touchable) const;
 
@@ -82,14 +82,15 @@ class Bodies {
 
   void read_heads();
   [[nodiscard]] TetMesh read_mesh(BodyId body) const;
-  /// Reads the materials, and which of them each cell has. @throws InputError one is no valid
-  /// material.
+  /// Reads the materials, and which of them each cell has.
+  /// @throws InputError one is no valid material.
   void read_materials(BodyId body, Scene& scene) const;
-  /// Reads the body force, the densities and the body's rest. @param scene Its materials were read
-  /// before. @throws InputError they are damaged.
+  /// Reads the body force, the densities and the body's rest.
+  /// @param scene Its materials were read before.
+  /// @throws InputError they are damaged.
   void read_body_force(BodyId body, Scene& scene) const;
-  /// Reads what holds and loads the surface, and the body's rest if it is stored there. @throws
-  /// InputError it is damaged.
+  /// Reads what holds and loads the surface, and the body's rest if it is stored there.
+  /// @throws InputError it is damaged.
   void read_boundary(BodyId body, Scene& scene) const;
 
   Connection& connection_;

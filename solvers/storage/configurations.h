@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause The table configuration: what was found in the tool spaces
-// of a file.
+// SPDX-License-Identifier: BSD-3-Clause
+// The table configuration: what was found in the tool spaces of a file.
 #pragma once
 
 #include <functional>
@@ -62,12 +62,14 @@ class Configurations : private ToolSpaceRows {
   /// Removes the configurations of which an intermediate state is missing, so that they are
   /// computed again together with all states on the way to them.
   void remove_without_way();
-  /// Takes over the configurations of another file that are of use here. @param there The key of
-  /// the tool space in that file. @returns The check-points whose level 0 was taken over.
+  /// Takes over the configurations of another file that are of use here.
+  /// @param there The key of the tool space in that file.
+  /// @returns The check-points whose level 0 was taken over.
   std::set<CheckPoint> merge(const ToolSpaceKey& key, const Configurations& other,
                              const ToolSpaceKey& there);
-  /// Finds the rows whose checksum differs between the versions of the schema. @returns A function
-  /// that writes their checksums again, after the schema of the file was converted.
+  /// Finds the rows whose checksum differs between the versions of the schema.
+  /// @returns A function that writes their checksums again, after the schema of the file was
+  ///   converted.
   [[nodiscard]] std::function<void()> read_for_conversion();
 
   /// Finalises the prepared statements, so that the file can be closed.
@@ -76,8 +78,8 @@ class Configurations : private ToolSpaceRows {
  private:
   [[nodiscard]] std::vector<Configuration> read_where(const ToolSpaceKey& key,
                                                       const std::string& condition) const;
-  /// Replaces the numbers of a row, and keeps its fields. @param level The level under which the
-  /// row is stored now.
+  /// Replaces the numbers of a row, and keeps its fields.
+  /// @param level The level under which the row is stored now.
   void rewrite(const ToolSpaceKey& key, std::int32_t level,
                const ConfigurationSummary& summary) const;
   /// Inserts a row, in place of one with the same key.

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause Damage in a file: the rows that were found damaged while
-// the file was read, and so were left out.
+// SPDX-License-Identifier: BSD-3-Clause
+// Damage in a file: the rows that were found damaged while the file was read, and so were left out.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +27,9 @@ namespace palpate::storage {
 /// The rows that were found damaged, and so were left out.
 class Damage {
  public:
-  /// Notes a row that is left out. @param what The name of the row, for a message. @param row Its
-  /// number in the table; 0: it is not known.
+  /// Notes a row that is left out.
+  /// @param what The name of the row, for a message.
+  /// @param row Its number in the table; 0: it is not known.
   void leave_out(const std::string& what, const std::string& table, std::int64_t row);
   /// How many rows there are.
   [[nodiscard]] std::size_t size() const { return rows_.size(); }
@@ -51,8 +52,8 @@ class Damage {
 };
 
 /// Looks for rows that no reading finds: those whose key was damaged, so that they belong to
-/// nothing, and those that are missing in the index of their table. @returns A text for each table
-/// that has any.
+/// nothing, and those that are missing in the index of their table.
+/// @returns A text for each table that has any.
 [[nodiscard]] std::vector<std::string> list_lost_rows(const sqlite::Database& database);
 
 }  // namespace palpate::storage

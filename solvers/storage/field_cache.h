@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: BSD-3-Clause A cache of the fields of a file's configurations. They are
-// read when they are first asked for, and kept, since the same few are needed again and again while
-// a body is touched.
+// SPDX-License-Identifier: BSD-3-Clause
+// A cache of the fields of a file's configurations. They are read when they are first asked for,
+// and kept, since the same few are needed again and again while a body is touched.
 #pragma once
 
 #include <cstddef>

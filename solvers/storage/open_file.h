@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause Creates, opens and closes the database of a state-space
-// file, also after a writer was killed.
+// SPDX-License-Identifier: BSD-3-Clause
+// Creates, opens and closes the database of a state-space file, also after a writer was killed.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause The table reduced_array: reduced models, and what their
-// training has found so far.
+// SPDX-License-Identifier: BSD-3-Clause
+// The table reduced_array: reduced models, and what their training has found so far.
 #pragma once
 
 #include <Eigen/Core>

@@ -209,8 +209,8 @@ using Fields = std::array<sqlite::Statement::Blob, 4>;
 using SingleFields = std::array<Eigen::MatrixXf, 4>;
 [[nodiscard]] SingleFields single_fields_of(const Configuration& configuration);
 [[nodiscard]] Fields fields_of(const SingleFields& fields);
-/// Sets the fields of a configuration from fields of either precision. @param fields They must fit,
-/// see fit().
+/// Sets the fields of a configuration from fields of either precision.
+/// @param fields They must fit, see fit().
 void set_fields(const Fields& fields, std::int64_t num_points, Configuration& configuration);
 
 /// The fields by modes; valid as long as `reduced` is.
@@ -258,8 +258,9 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 [[nodiscard]] bool is_possible(const Grid& grid, const LevelTransition& transition);
 [[nodiscard]] bool is_possible(const Grid& grid, const IntermediateState& state);
 [[nodiscard]] bool is_possible(const TestPoint& point);
-/// Says the same for a basis. @param num_cells The number of cells of the body. @param num_kept The
-/// number of points that the basis is for.
+/// Says the same for a basis.
+/// @param num_cells The number of cells of the body.
+/// @param num_kept The number of points that the basis is for.
 [[nodiscard]] bool is_possible(const BasisRow& row, std::int64_t num_kept, std::int64_t num_cells);
 /// Whether all numbers of the fields are finite.
 template <class OfConfiguration>
@@ -270,7 +271,7 @@ template <class OfConfiguration>
 }
 /// Whether the fields have the sizes that they have for such a body, all in the same precision.
 /// @param num_pressures The number of pressures of the body; it only matters if the fields have
-/// pressures.
+///   pressures.
 [[nodiscard]] bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_pressures);
 
 /// Whether the fields have the sizes of coefficients by the modes of a basis, and not those of

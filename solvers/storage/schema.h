@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause Makes the tables of a state-space file, and checks that a
-// file has these tables.
+// SPDX-License-Identifier: BSD-3-Clause
+// Makes the tables of a state-space file, and checks that a file has these tables.
 #pragma once
 
 #include <cstdint>

@@ -48,8 +48,8 @@ class Database {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] sqlite3* handle() const { return handle_; }
 
-  /// Throws the error that SQLite has reported last. @throws InputError the file is no state space,
-  /// or damaged.
+  /// Throws the error that SQLite has reported last.
+  /// @throws InputError the file is no state space, or damaged.
   /// @throws BackendError it cannot be opened, read or written.
   [[noreturn]] void fail() const;
 

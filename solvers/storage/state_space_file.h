@@ -122,8 +122,8 @@ class StateSpaceFile {
   [[nodiscard]] std::optional<BodyId> find_body(const std::string& scene_hash) const;
   /// @throws InputError there is no such body; as read_scene().
   [[nodiscard]] const std::string& scene_hash(BodyId body = kFirstBody) const;
-  /// Reads the scene of a body. @throws InputError also where the scene does not have the hash that
-  /// it is stored with.
+  /// Reads the scene of a body.
+  /// @throws InputError also where the scene does not have the hash that it is stored with.
   [[nodiscard]] Scene read_scene(BodyId body = kFirstBody) const;
 
   /// Adds a tool space to the body that it names. One that is there is extended: its box may become

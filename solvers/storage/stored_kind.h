@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause The parts of storing a tool space that depend on the kind
-// of its tool.
+// SPDX-License-Identifier: BSD-3-Clause
+// The parts of storing a tool space that depend on the kind of its tool.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ class StoredKind {
 
   /// Whether the fields of configurations are stored in single precision.
   [[nodiscard]] virtual bool has_single_fields() const = 0;
-  /// Whether the number, the tool and the grid are possible for a tool of this kind. @param
-  /// num_points The number of points of the body.
+  /// Whether the number, the tool and the grid are possible for a tool of this kind.
+  /// @param num_points The number of points of the body.
   [[nodiscard]] virtual bool is_possible(const ToolSpaceSetup& setup,
                                          std::int64_t num_points) const = 0;
   /// Whether a stored tool space may be given another tolerance.

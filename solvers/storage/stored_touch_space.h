@@ -1,4 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause Makes the touch space of a body from its file.
+// SPDX-License-Identifier: BSD-3-Clause
+// Makes the touch space of a body from its file.
 #pragma once
 
 #include "fields/reduced_fields.h"

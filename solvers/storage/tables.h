@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: BSD-3-Clause The tables of an open file, with one class for each family
-// of tables, and the functions that concern several families.
+// SPDX-License-Identifier: BSD-3-Clause
+// The tables of an open file, with one class for each family of tables, and the functions that
+// concern several families.
 #pragma once
 
 #include <filesystem>
@@ -36,8 +37,8 @@ struct Tables {
   std::map<BodyId, ReducedModels> reduced_models;
 };
 
-/// The number of the body that has this scene. @throws InputError the file has no such body, or was
-/// made for another tolerance.
+/// The number of the body that has this scene.
+/// @throws InputError the file has no such body, or was made for another tolerance.
 BodyId find_body(const Tables& tables, const Scene& scene, double solver_tolerance);
 
 /// Adds a body of the organ, unless it is there. @throws InputError as Bodies::add() does.

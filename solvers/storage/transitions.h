@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: BSD-3-Clause The tables of what leads from one configuration to another:
-// transition, between levels, and intermediate, the states on the way.
+// SPDX-License-Identifier: BSD-3-Clause
+// The tables of what leads from one configuration to another: transition, between levels, and
+// intermediate, the states on the way.
 #pragma once
 
 #include <functional>
@@ -25,8 +26,8 @@ class Transitions : private ToolSpaceRows {
   [[nodiscard]] std::vector<LevelTransition> read_linked(
       const ToolSpaceKey& key, const std::vector<Configuration>& configurations) const;
 
-  /// Takes over the transitions of another file, except those that are here already. @param there
-  /// The key of the tool space in that file.
+  /// Takes over the transitions of another file, except those that are here already.
+  /// @param there The key of the tool space in that file.
   void merge(const ToolSpaceKey& key, const Transitions& other, const ToolSpaceKey& there);
 
  private:
@@ -50,8 +51,8 @@ class IntermediateStates : private ToolSpaceRows {
   /// Takes over the states of another file that are on the way to some check-points.
   void merge(const ToolSpaceKey& key, const IntermediateStates& other, const ToolSpaceKey& there,
              const std::set<CheckPoint>& targets);
-  /// Reads the states whose checksum differs between the versions of the schema. @returns A
-  /// function that writes them again, after the schema of the file was converted.
+  /// Reads the states whose checksum differs between the versions of the schema.
+  /// @returns A function that writes them again, after the schema of the file was converted.
   [[nodiscard]] std::function<void()> read_for_conversion();
 
  private:

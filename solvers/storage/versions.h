@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: BSD-3-Clause The tables of files of older versions, which are shown as
-// those of this version, or converted.
+// SPDX-License-Identifier: BSD-3-Clause
+// The tables of files of older versions, which are shown as those of this version, or converted.
 #pragma once
 
 #include <cstdint>
