@@ -20,7 +20,7 @@ namespace palpate {
 
 class AdaptiveGrid final : public ExplorationStrategy {
  public:
-  /// @param setup Its policy has a tolerance.
+  /// @param setup Its policy must have a tolerance.
   explicit AdaptiveGrid(const ToolSpaceSetup& setup);
 
   void recall(const ConfigurationSummary& found) override;
@@ -40,8 +40,8 @@ class AdaptiveGrid final : public ExplorationStrategy {
 
   ToolSpaceSetup setup_;
   LayeredGrid coarse_;
-  /// What the rounds so far have found, usable or not. A point that no start leads to is here too,
-  /// as one that failed.
+  /// The configurations that the rounds so far have found, usable or not. A point that no start
+  /// leads to is here too, as one that failed.
   Summaries found_;
   /// Configurations of earlier runs between the corners of the coarsest cells that no round has
   /// asked for yet.

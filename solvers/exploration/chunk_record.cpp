@@ -41,7 +41,7 @@ void ChunkRecord::settle(ToolSpaceId tool_space, const ConfigurationSummary& can
   found_.back().summary.level = level;
 }
 
-/// Notes what earlier runs have found. On ranks other than 0 it is nothing.
+/// Notes what earlier runs have found, which rank 0 alone knows.
 void ChunkRecord::note_known() {
   for (const ToolSpaceSetup& setup : setups_) {
     const Known known = record_->known(setup.id);
@@ -85,7 +85,7 @@ std::optional<SpaceChunk> ChunkRecord::take() {
     mine.put_list(next());
     is_all = found_.empty();
   });
-  // What transitions connect comes before them.
+  // The configurations that transitions connect are given out before the transitions.
   if (any(communicator_, !is_all)) {
     mine.put_list(std::vector<std::pair<ToolSpaceId, LevelTransition>>());
   } else {

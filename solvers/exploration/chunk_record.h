@@ -27,9 +27,10 @@ class ChunkRecord final : public Record {
   /// The largest number of configurations of one rank in a chunk.
   static constexpr std::size_t kMostInChunk = 256;
 
-  /// What was found since the last chunk, and before the first one by earlier runs; if it is very
-  /// much, a part of it. Call this between runs, before publish() and finish().
-  /// @returns The chunk on rank 0, an empty one elsewhere; nothing: there is nothing new.
+  /// Takes a chunk of what was found since the last one; the first chunks also have what earlier
+  /// runs have found. If there is very much, the chunk has a part of it. Call this between runs,
+  /// before publish() and finish().
+  /// @returns The chunk on rank 0, an empty one on other ranks; nothing: there is nothing new.
   /// @note Collective
   [[nodiscard]] std::optional<SpaceChunk> take();
 
@@ -62,7 +63,7 @@ class ChunkRecord final : public Record {
   }
 
  private:
-  /// A configuration that was found, as a rank tells it to rank 0.
+  /// A configuration that was found, as a rank sends it to rank 0.
   struct Found {
     ToolSpaceId tool_space = 0;
     ConfigurationSummary summary;
@@ -99,12 +100,12 @@ class ChunkRecord final : public Record {
   /// The points of the mesh at the surface.
   std::vector<Index> points_;
   bool has_noted_known_ = false;
-  /// Not given out yet.
+  /// The configurations that no chunk has had yet.
   std::deque<Found> found_;
   std::vector<std::pair<ToolSpaceId, LevelTransition>> transitions_;
   std::int64_t num_chunks_ = 0;
   std::map<ToolSpaceId, Modes> modes_;
-  /// Of rigid tools.
+  /// The clearances of rigid tools.
   std::map<ToolSpaceId, Clearance> clearances_;
 };
 

@@ -24,7 +24,7 @@ struct ShellOptions {
   /// The largest depth of the tool, measured at the body's rest, m; 0: the force limit alone bounds
   /// it.
   double depth = 0;
-  /// Whether a place of the surface at rest is to be pressed; empty: every touchable place is.
+  /// Whether a place of the surface at rest is to be pressed. Empty: every touchable place is.
   std::function<bool(const Vec3&)> region;
   /// Where the exploration begins, m. It spreads from there over the surface, so that this place
   /// can be touched long before the space is complete.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The expected cost of an exploration, told before it begins.
+// The expected cost of an exploration, which is estimated before it begins.
 #pragma once
 
 #include <cstdint>

@@ -44,7 +44,8 @@ struct PlannedSpace {
   std::shared_ptr<const ExplorationPlan> plan;
 };
 
-/// Of spaces that are ordered by their numbers: whether one has a number, and that which has it.
+/// Whether any of the spaces has a number, and the space that has it. The spaces must be ordered by
+/// their numbers.
 [[nodiscard]] bool has_space(const std::vector<PlannedSpace>& spaces, ToolSpaceId tool_space);
 [[nodiscard]] const PlannedSpace& find_space(const std::vector<PlannedSpace>& spaces,
                                              ToolSpaceId tool_space);

@@ -57,7 +57,7 @@ struct ExplorationSession::Impl {
   PrecomputeReport report;
   std::unique_ptr<EquilibriumSolver> solver;
   std::optional<Scene> settled;
-  /// The scene at rest under its load: the one that was asked for, or `settled`.
+  /// The scene at rest under its load: the given one, or `settled`.
   const Scene* scene = nullptr;
   std::optional<InteractionFactory> tools;
   std::optional<InteractionSolver> state_solver;

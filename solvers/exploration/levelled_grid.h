@@ -35,7 +35,7 @@ namespace palpate {
 
 class LevelledGrid final : public ExplorationStrategy {
  public:
-  /// @param setup Its grid is uniform.
+  /// @param setup Its grid must be uniform.
   explicit LevelledGrid(const ToolSpaceSetup& setup);
 
   void recall(const ConfigurationSummary& found) override;
@@ -70,7 +70,7 @@ class LevelledGrid final : public ExplorationStrategy {
   LayeredGrid flat_;
   bool has_suspects_ = false;
   std::set<CheckPoint> suspects_;
-  /// What the flat space and the rounds so far have found.
+  /// The configurations that the flat space and the rounds so far have found.
   std::map<CheckPoint, Levels> found_;
   /// The levels above 0, those of earlier runs too.
   std::map<CheckPoint, Levels> levels_;

@@ -31,7 +31,7 @@ namespace palpate {
 /// Whether the file has a rigid tool with the contact layer that earlier versions of this program
 /// chose by default. Such a run is resumed with that layer, since another layer would make it
 /// another tool.
-/// @param options They have a rigid tool.
+/// @param options They must have a rigid tool.
 /// @throws InputError, BackendError the file cannot be read.
 /// @note Call this on one rank only: opening the file recovers what a killed run has left in it.
 [[nodiscard]] bool has_earlier_layer(const Scene& scene, const PrecomputeOptions& options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far an exploration is, as it is told to whoever waits for it.
+// The progress of an exploration, as it is reported to the user.
 #pragma once
 
 #include <cstdint>

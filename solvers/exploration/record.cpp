@@ -30,7 +30,7 @@ void for_each_part(BasisBox& box, Visit&& visit) {
 
 namespace {
 
-/// Rounding of a ratio of two stored numbers.
+/// The rounding error of a ratio of two stored numbers.
 constexpr double kRounding = 1e-12;
 
 namespace fs = std::filesystem;
@@ -66,7 +66,7 @@ ReductionTask task_of(const Scene& scene, const std::vector<ToolSpaceSetup>& set
   return task;
 }
 
-/// A configuration as its fields are reduced: they count from the body at rest.
+/// A configuration whose fields count from the body at rest, as they are reduced.
 Configuration from_rest(const Scene& scene, Configuration configuration) {
   count_from_rest(scene.settled, configuration);
   return configuration;
@@ -314,7 +314,8 @@ class FileRecord final : public Record {
     });
   }
 
-  /// @throws InputError what the file keeps of these spaces has a larger error than is asked for.
+  /// @throws InputError the fields that the file keeps of these spaces have a larger error than is
+  ///   asked for.
   void require_bound(const StateSpaceFile& file, double bound) const {
     for (const ToolSpaceSetup& setup : setups_) {
       for (const storage::BasisBox& box : file.bases().list(setup.id)) {
@@ -385,7 +386,7 @@ class FileRecord final : public Record {
     return whole;
   }
 
-  /// Reads a configuration as its fields are reduced.
+  /// Reads a configuration, with its fields counted from the body at rest, as they are reduced.
   [[nodiscard]] Configuration load(const StateKey& key) const {
     ConfigurationSummary summary;
     summary.check_point = key.check_point;

@@ -15,7 +15,7 @@
 
 namespace palpate {
 
-/// What earlier runs have found of a tool space.
+/// What earlier runs have found in a tool space.
 struct Known {
   /// All configurations, without fields; candidates too, see candidate_level().
   std::vector<ConfigurationSummary> configurations;
@@ -65,7 +65,7 @@ class Record {
   /// Goes on after publish(). Call this before any other function.
   /// @note Collective
   virtual void resume() = 0;
-  /// Whether publish() has moved what all ranks have kept to rank 0, and it stays there.
+  /// Whether publish() has moved the results of all ranks to rank 0 for good.
   [[nodiscard]] virtual bool has_moved() const = 0;
   /// Joins what all ranks have kept. The result is complete on rank 0, and empty elsewhere.
   /// @param complete Whether the whole space was explored.

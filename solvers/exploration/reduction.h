@@ -40,8 +40,8 @@ using StateHolders = std::map<StateKey, int>;
 [[nodiscard]] StateHolders find_holders(const std::vector<StateKey>& own,
                                         Communicator& communicator);
 
-/// What is reduced, and how. It is the same on all ranks, but for `load` and for the bases in the
-/// regions.
+/// The fields that are reduced, and how. It is the same on all ranks, but for `load` and for the
+/// bases in the regions.
 struct ReductionTask {
   std::vector<ReductionRegion> regions;
   StateHolders holders;

@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// A stored equilibrium and the one that is found again differ only by the solver's error: by these
-/// shares of the tool's force and of the energy.
+/// The largest differences of a stored equilibrium and the one that is found again, as shares of
+/// the tool's force and of the energy. They come from the solver's error alone.
 constexpr double kSameForce = 1e-6;
 constexpr double kSameEnergy = 1e-6;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What somebody asks of an exploration while it runs: which transitions come first, and which are
-// not made for now. It changes when a configuration is found, and whether it is, but never what is
-// found. Nobody needs to steer.
+// Steering of an exploration while it runs: which transitions come first, and which are not made
+// for now. It changes when a configuration is found, and whether it is, but never what is found.
+// Nobody needs to steer.
 //
 // All ranks follow the latest steering, which any rank may give. As it describes the whole, and
 // not a change, messages that overtake each other do no harm.
@@ -14,7 +14,7 @@
 namespace palpate {
 
 struct Steering {
-  /// What is asked of one tool space.
+  /// The steering of one tool space.
   struct OfSpace {
     ToolSpaceId tool_space = 0;
     /// Coordinates of the tool [3], m. The target nearest to any of them is made first. While a

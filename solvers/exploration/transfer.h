@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the ranks of a run send of its values (schedule/packing.h).
+// The parts of values that the ranks of a run send each other (schedule/packing.h).
 #pragma once
 
 #include "assembly/scene.h"
@@ -31,7 +31,8 @@ namespace palpate {
 [[nodiscard]] inline bool is_sound(Formulation formulation) {
   return formulation == Formulation::displacement || formulation == Formulation::mixed;
 }
-/// Any: kinds may be added. tool_kind(), shape_kind() and motion_kind() refuse one that is unknown.
+/// Any number is sound, since kinds may be added. tool_kind(), shape_kind() and motion_kind()
+/// refuse an unknown one.
 [[nodiscard]] inline bool is_sound(InteractionKind /*kind*/) { return true; }
 [[nodiscard]] inline bool is_sound(ToolShape /*shape*/) { return true; }
 [[nodiscard]] inline bool is_sound(ToolMotion /*motion*/) { return true; }

@@ -21,7 +21,7 @@ std::size_t bytes_of_state(const TransitionBatch& batch) {
 void TransitionQueue::steer(Steering steering) {
   steering_ = std::move(steering);
   has_goals_ = steering_.has_goals();
-  // What is nearer to the top of the stack is made first among batches of the same distance.
+  // Among batches of the same distance, those nearer to the top of the stack are made first.
   std::deque<Batch> stack = std::exchange(stack_, {});
   std::multimap<double, Batch> queue = std::exchange(queue_, {});
   std::vector<Batch> withdrawn = std::exchange(withdrawn_, {});

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The transitions that a rank makes next, in batches from one start.
 //
-// With nobody steering they are a depth-first stack and a priority queue. What follows from a
-// configuration that was found here goes on the stack, and is made first, while the start still has
-// its factor. All else goes into the queue, ordered by ExplorationPlan::distance().
+// With nobody steering they are a depth-first stack and a priority queue. Transitions that follow
+// from a configuration that was found here go on the stack, and are made first, while the start
+// still has its factor. All others go into the queue, ordered by ExplorationPlan::distance().
 //
 // While the steering has goals, all batches are in the queue, ordered by the distance of their
 // nearest target from a goal. Targets that the steering withdraws are set aside, and come back when

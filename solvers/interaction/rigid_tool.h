@@ -76,8 +76,8 @@ inline constexpr double kCalibratedDepth = 0.07;
 [[nodiscard]] double mean_contact_modulus(const Scene& scene);
 
 /// The contact of a tool with a body.
-/// @throws InputError the shape or the motion is not valid, see make_capsule() and RigidSurface; the
-///   thickness or the stiffness is not positive; or the layer is too thin for the mesh, see
+/// @throws InputError the shape or the motion is not valid, see make_capsule() and RigidSurface;
+///   the thickness or the stiffness is not positive; or the layer is too thin for the mesh, see
 ///   ContactSurface.
 [[nodiscard]] RigidContact make_contact(const Scene& scene, const RigidTool& tool);
 
