@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What VTK does not check: a reader or a script can make an array of points or cells that is
-// shorter or longer than its data, and who reads it then reads what is not there.
+// Checks that VTK does not make: a reader or a script can give an array of points or cells fewer or
+// more values than the data has points or cells, and whoever reads it then reads beyond its end.
 #pragma once
 
 #include <string>
@@ -12,13 +12,13 @@ class vtkDataArray;
 class vtkDataSet;
 class vtkDataSetAttributes;
 
-/// The name of an array as messages have it: in quotes, or "without a name".
+/// The name of an array for a message: in quotes, or "without a name".
 PALPATECOMMON_EXPORT std::string vtkPalpateNameOf(vtkAbstractArray* array);
 
-/// @throws palpate::InputError an array of points or cells that has not one value for each.
+/// @throws palpate::InputError an array of points or cells does not have one value for each of
+///   them.
 PALPATECOMMON_EXPORT void vtkPalpateCheckArrays(vtkDataSet* data);
 
-/// The array of that name, null where there is none.
-/// @throws palpate::InputError it has not one number for each point or cell, but several.
+/// The array of that name, or null. @throws palpate::InputError it has several components.
 PALPATECOMMON_EXPORT vtkDataArray* vtkPalpateScalarArray(
   vtkDataSetAttributes* attributes, const char* name);

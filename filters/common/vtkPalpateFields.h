@@ -14,7 +14,7 @@
 #include "vtkStringArray.h"
 #include "vtkTable.h"
 
-/// One row after the other, as tuples of `components`.
+/// An array with one row of a matrix after the other, as tuples of `components`.
 template <class Array, class Matrix>
 void vtkPalpateAddField(
   vtkDataObject* output, const char* name, int components, const Matrix& values)
@@ -52,7 +52,8 @@ inline void vtkPalpateAddText(vtkDataObject* output, const char* name, const std
   output->GetFieldData()->AddArray(array);
 }
 
-/// A column of a table, of `components`. @param get (row, component) → number.
+/// A column of a table, with `components` numbers in each row.
+/// @param get Gives the number of a row and a component.
 template <class Array, class Row, class Get>
 void vtkPalpateAddColumn(
   vtkTable* table, const std::string& name, int components, const std::vector<Row>& rows, Get get)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The time steps of an output that is a motion from 0 to an end, and when it is made anew.
+// The time steps of an output that is a motion from 0 to an end.
 #pragma once
 
 #include <algorithm>
@@ -15,13 +15,13 @@
 #include "vtkInformationVector.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-/// Times that differ by less, in steps or frames, are the same but for rounding.
+/// Times that differ by less than this, in steps or frames, are the same except for rounding.
 inline constexpr double vtkPalpateTimeRounding = 1e-9;
 
-/// So many time steps may be shown of a motion.
+/// The largest number of time steps of a motion that may be shown.
 inline constexpr double vtkPalpateMostFrames = 1e6;
 
-/// The times of the frames, s; none where the two make none, or far too many.
+/// The times of the frames, s; none if the end and the rate give none, or far too many.
 inline std::vector<double> vtkPalpateFrameTimes(double endTime, double frameRate)
 {
   std::vector<double> times;
@@ -38,7 +38,7 @@ inline std::vector<double> vtkPalpateFrameTimes(double endTime, double frameRate
   return times;
 }
 
-/// @throws palpate::InputError one of them makes no frames or steps, or too many.
+/// @throws palpate::InputError one of the arguments gives no frames or steps, or too many.
 inline void vtkPalpateCheckTimes(double endTime, double frameRate, double timeStep)
 {
   const auto text = [](double number)
@@ -63,7 +63,7 @@ inline void vtkPalpateCheckTimes(double endTime, double frameRate, double timeSt
     throw palpate::InputError("EndTime and FrameRate make " + text(endTime * frameRate) +
       " time steps to be shown; there may be a million. Make one of them smaller.");
   }
-  // A run of more would fill the memory with its table, or not end.
+  // A run of more steps would fill the memory with its table, or not end.
   constexpr double MostSteps = 1e7;
   if (timeStep > 0 && endTime > MostSteps * timeStep)
   {
@@ -87,7 +87,7 @@ inline void vtkPalpateSetTimes(const std::vector<double>& times, vtkInformation*
   info->Set(Pipeline::TIME_RANGE(), range, 2);
 }
 
-/// The time that a request asks for, s; 0 where it asks for none.
+/// The time that a request asks for, s; 0 if it asks for none.
 inline double vtkPalpateAskedTime(vtkInformation* request, vtkInformationVector* outputVector)
 {
   const int port = request->Has(vtkExecutive::FROM_OUTPUT_PORT())
@@ -98,7 +98,7 @@ inline double vtkPalpateAskedTime(vtkInformation* request, vtkInformationVector*
   return info->Has(key) ? info->Get(key) : 0;
 }
 
-/// When the inputs were changed last.
+/// The time at which the inputs were changed last.
 inline vtkMTimeType vtkPalpateInputTime(vtkInformationVector** inputVector, int numberOfInputs)
 {
   vtkMTimeType time = 0;

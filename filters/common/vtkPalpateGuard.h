@@ -14,7 +14,7 @@
 #include "vtkObject.h"
 #include "vtkSetGet.h"
 
-/// Warns in words that may repeat what a file has in place of a name.
+/// Warns with a message that may contain text from a file, which is made printable.
 inline void vtkPalpateWarn(vtkObject* self, const std::string& message)
 {
   vtkWarningWithObjectMacro(self, << palpate::printable_message(message));
@@ -22,10 +22,9 @@ inline void vtkPalpateWarn(vtkObject* self, const std::string& message)
 
 /// Calls `body()` and turns whatever it throws into exactly one error message of `self`; into none
 /// where `self` is null.
-/// @returns 0 after an error; else what `body` returns, or 1 if it returns nothing.
-///
-/// In RequestData answer 1 all the same, with empty outputs: after a 0 the executive adds a second
-/// message of its own and runs the filter again at each render.
+/// @returns 0 after an error; else the result of `body`, or 1 if it has none. RequestData must
+///   return 1 nevertheless, with empty outputs: after a 0 the executive adds a second message of
+///   its own and runs the filter again at each render.
 template <class Body>
 int vtkPalpateGuard(vtkObject* self, Body&& body) noexcept
 {
@@ -35,13 +34,13 @@ int vtkPalpateGuard(vtkObject* self, Body&& body) noexcept
     {
       if (self)
       {
-        // It may repeat what a file has in place of a name.
+        // The message may contain text from a file.
         vtkErrorWithObjectMacro(self, << palpate::printable_message(message));
       }
     }
     catch (...)
     {
-      // There is not even the memory for a message.
+      // There is not even enough memory for a message.
     }
     return 0;
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Each filter of ours works on one body, surface or state space. ParaView runs a filter that is
 // given a collection of other data sets once for each of them, and aborts where it cannot collect
-// the outputs. So the filters take such a collection as it is, and refuse it with an error.
+// the outputs. So the filters accept such a collection as a whole, and refuse it with an error.
 #pragma once
 
 #include <string>
@@ -13,15 +13,15 @@
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 
-/// Of FillInputPortInformation: the port takes data of a type, and any collection as it is.
+/// For FillInputPortInformation: makes the port take data of a type, and any collection as a whole.
 inline void vtkPalpateTakeWhole(vtkInformation* port, const char* type)
 {
   port->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), type);
   port->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
 }
 
-/// The input of a port that takes one data set, or one state space (a composite `Data`). The class
-/// of the input is the same on every rank, and so is the error.
+/// The input of a port that takes one data set, or one state space (a composite `Data`). As the
+/// class of the input is the same on every rank, so is the error.
 /// @throws palpate::InputError the input is another collection.
 template <class Data>
 Data* vtkPalpateInput(vtkInformationVector* port)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The run of a filter whose output is a motion. It is computed once and serves all time steps; one
-// that has failed fails once, and the output of each time step bears its mark.
+// The run of a filter whose output is a motion. It is computed once and serves all time steps. A
+// run that fails gives one error message, and the output of each time step has its mark.
 #pragma once
 
 #include <algorithm>
@@ -18,11 +18,11 @@ template <class Run>
 class vtkPalpateKeptRun
 {
 public:
-  /// Computes the run anew where something has changed since the last one.
-  /// @param output Bears the mark of the failure afterwards, where there is one.
-  /// @param now Tells when the inputs or the filter were changed last.
-  /// @param compute Gives a run. It may throw, and may leave the mark of an input in `output`.
-  /// @returns The run; null where there is none, as it threw.
+  /// Computes the run anew if something has changed since the last one.
+  /// @param output If the run has failed, the output has the mark of the failure afterwards.
+  /// @param now The time at which the inputs or the filter were changed last.
+  /// @param compute Computes a run. It may throw, and may leave the mark of an input in `output`.
+  /// @returns The run; null if `compute` threw.
   /// @note Collective
   template <class Now, class Compute>
   const Run* Update(
@@ -62,7 +62,7 @@ private:
 
   bool IsThere = false;
   std::unique_ptr<Run> Last;
-  /// Empty: it has not failed.
+  /// The message of a run that has failed; empty: it has not.
   std::string Failure;
   vtkMTimeType Time = 0;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Data in pieces: partitions of a block, or what each rank has of it. The filters of ours work on
-// the whole, so the pieces are brought to rank 0 and joined there, where points that several pieces
-// have are one again.
+// Data in pieces: partitions of a block, or the parts that the ranks have. Our filters work on the
+// whole, so the pieces are sent to rank 0 and joined there. Points that several pieces have in
+// common become one.
 #pragma once
 
 #include <functional>
@@ -24,13 +24,13 @@ using vtkPalpatePieces = std::vector<vtkSmartPointer<vtkPointSet>>;
 PALPATECOMMON_EXPORT vtkPalpatePieces vtkPalpateGatherPieces(
   const vtkPalpatePieces& pieces, vtkMultiProcessController* controller);
 
-/// The arrays of a piece by which its points are known [each num_points].
+/// Gives the arrays of a piece that identify its points [each num_points].
 using vtkPalpateKeys = std::function<std::vector<vtkDataArray*>(vtkPointSet*)>;
 
-/// One data set of the pieces. Points whose keys are equal are one, with the values of the first
-/// piece; points come in the order of their keys, cells in that of the pieces, those that are
-/// ghosts or that are there already left out. It has the arrays that all pieces have, and the field
-/// data of the first one that has any.
-/// @throws palpate::InputError what `keys` throws.
+/// Joins the pieces to one data set. Points with equal keys become one, with the values of the
+/// first piece. Points are in the order of their keys, and cells in that of the pieces, without
+/// ghosts and repeated cells. The result has the arrays that all pieces have, and the field data of
+/// the first piece that has any.
+/// @throws palpate::InputError as `keys` does.
 PALPATECOMMON_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateJoin(
   const vtkPalpatePieces& pieces, const vtkPalpateKeys& keys);

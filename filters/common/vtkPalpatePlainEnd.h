@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A wish that the program end, SIGTERM, is not kept waiting for ever while a filter computes.
+// Lets SIGTERM end the program at once while a filter computes.
 //
-// VTK's log handles that signal: it prints where the program was, for which it allocates memory. A
-// signal that comes into an allocation then waits for its lock for ever, and solvers allocate
-// often: what a batch system ends hung until it was killed. While this lives the signal ends the
-// program at once, as without that log; files are safe from that (vtkPalpatePrecomputeStateSpace).
-// What a script of the user has set for the signal is left alone.
+// VTK's log handles that signal: it prints where the program was, and allocates memory for this. If
+// the signal comes during an allocation, it waits for the lock of the allocator for ever. Solvers
+// allocate often, so that a program which a batch system had ended would hang until it was killed.
+// While an object of this class exists, the signal has its default effect; files are safe from that
+// (vtkPalpatePrecomputeStateSpace). A handler that a script of the user has set stays as it is.
 #pragma once
 
 #include <dlfcn.h>
@@ -37,7 +37,7 @@ public:
   vtkPalpatePlainEnd& operator=(const vtkPalpatePlainEnd&) = delete;
 
 private:
-  /// Whether what handles a signal is in the library of VTK's log.
+  /// Whether the handler of a signal is in the library of VTK's log.
   static bool IsOfLog(const struct sigaction& action)
   {
     Dl_info library;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a long run tells the user: the progress of the filter, and a line on the terminal now and
-// then.
+// The progress that a long run reports to the user: that of the filter, and a line on the terminal
+// now and then.
 #pragma once
 
 #include <functional>
@@ -11,14 +11,16 @@
 
 class vtkAlgorithm;
 
-/// Tells the filter's progress now and then, and answers whether its abort was asked for: ParaView
-/// handles its events, an abort among them, when it hears of progress.
-/// @param share Of the work that is done; it is asked when it is told.
+/// A function that reports the filter's progress now and then, and returns whether an abort was
+/// asked for. ParaView handles its events, an abort among them, when it receives progress.
+/// @param share Gives the finished share of the work. It is called only when progress is reported.
 PALPATECOMMON_EXPORT std::function<bool()> vtkPalpateAbortRequested(
   vtkAlgorithm* filter, std::function<double()> share);
 
-/// Tells the filter's progress; answers false once its abort was asked for.
-/// @param rank Rank 0 writes the lines. @param logInterval Between them, s; 0: none.
-/// @param what Is run, and the things that it counts: 'Precompute State Space', 'configurations'.
+/// A function that reports the filter's progress, and returns false once an abort was asked for.
+/// @param rank Rank 0 writes the lines.
+/// @param logInterval The time between two lines, s; 0: there are none.
+/// @param what The name of the filter, and that of the things which it counts: 'Precompute State
+///   Space', 'configurations'.
 PALPATECOMMON_EXPORT palpate::Progress vtkPalpateProgress(vtkAlgorithm* filter, int rank,
   double logInterval, const std::string& what, const std::string& things);

@@ -23,7 +23,7 @@
 
 struct vtkPalpateFEBioLaw
 {
-  /// The attribute `type` of a material that has one of these as its <elastic>, and is viscous.
+  /// The attribute `type` of a viscous material, which has one of these laws as its <elastic>.
   static constexpr const char* Viscoelastic = "viscoelastic";
   static constexpr const char* UncoupledViscoelastic = "uncoupled viscoelastic";
 
@@ -31,20 +31,20 @@ struct vtkPalpateFEBioLaw
   {
     /// FEBio's name.
     const char* Name;
-    /// Place in palpate::Material::parameters.
+    /// The index into palpate::Material::parameters.
     int Index;
-    /// FEBio's value is this times ours; 1, 2 or ½, so that no digit is lost.
+    /// The ratio of FEBio's value and ours: 1, 2 or ½, so that no digit is lost.
     double Factor;
-    /// Whether it is a pressure; else it has no unit.
+    /// Whether the parameter is a pressure; else it has no unit.
     bool IsPressure;
-    /// Whether FEBio takes a map from cell to cell (its FEParamDouble).
+    /// Whether FEBio accepts a value for each cell, by a map (its FEParamDouble).
     bool MayVary;
   };
 
   /// The attribute `type` of FEBio's material.
   const char* Type;
   palpate::Law Law;
-  /// Whether it has a pressure_model, and elements with a pressure of their own.
+  /// Whether the material has a pressure_model, and elements with a pressure of their own.
   bool IsUncoupled;
   std::vector<Parameter> Parameters;
 };
@@ -52,11 +52,11 @@ struct vtkPalpateFEBioLaw
 /// A choice of `pressure_model`: FEUncoupledMaterial::U(J).
 struct vtkPalpateFEBioPressureModel
 {
-  /// What the file has for it: its number, or its name.
+  /// Its number and its name: the file may have either.
   const char* Number;
   const char* Name;
   const char* Energy;
-  /// How much the pressure differs from that of ours where the volume has changed by 1 %, %.
+  /// The difference of its pressure from ours where the volume has changed by 1 %, %.
   double Difference;
 
   static const std::array<vtkPalpateFEBioPressureModel, 4>& All()
@@ -72,10 +72,11 @@ struct vtkPalpateFEBioPressureModel
   static const vtkPalpateFEBioPressureModel& Ours() { return All()[2]; }
 };
 
-/// All that there are.
+/// All laws that both have.
 PALPATEFEBIO_EXPORT const std::vector<vtkPalpateFEBioLaw>& vtkPalpateFEBioLaws();
 
-/// The one with the energy of the material.
-/// @throws palpate::InputError FEBio has none: the law, how FEBio's differs, and what to do.
+/// The law with the energy of the material.
+/// @throws palpate::InputError FEBio has no such law: the message says how FEBio's differs, and
+///   what to do.
 PALPATEFEBIO_EXPORT const vtkPalpateFEBioLaw& vtkPalpateFEBioLawOf(
   const palpate::Material& material);

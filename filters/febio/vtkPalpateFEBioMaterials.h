@@ -34,18 +34,20 @@ public:
   /// A parameter that varies from cell to cell.
   using Map = std::unordered_map<Id, double>;
 
-  /// What a part of the mesh is made of, in our units.
+  /// The material of a part of the mesh, in our units.
   struct Part
   {
-    /// Of the material.
+    /// The name of the material.
     std::string Name;
     const vtkPalpateFEBioLaw* Law = nullptr;
     std::optional<palpate::Formulation> OwnFormulation;
     std::array<double, palpate::max_parameters> Parameters{};
     palpate::Rheology Rheology;
-    /// Whether viscosity is FEBio's in the change of volume too; none where there is no viscosity.
+    /// Whether the change of volume is viscous too, as FEBio has it; nothing if there is no
+    /// viscosity.
     std::optional<bool> VolumeIsViscous;
-    /// By the place of the parameter; Density is the density.
+    /// Maps of parameters that vary from cell to cell, with the index of the parameter; Density
+    /// stands for the density.
     std::vector<std::pair<int, const Map*>> Maps;
     static constexpr int Density = -1;
   };
@@ -55,15 +57,15 @@ public:
   vtkPalpateFEBioMaterials(const Tree& root, const vtkPalpateFEBio::ChildIndex& sets,
     const vtkPalpateFEBioUnits& units, const vtkPalpateFEBio::KnownIds& elements);
 
-  /// That of a part, <Elements>.
+  /// The material of a part, <Elements>.
   /// @throws palpate::InputError there is none, or it cannot be read.
   Part Of(const Tree& elements);
 
-  /// Of one element of a part.
-  /// @throws palpate::InputError a parameter has no value there, or one that no material has.
+  /// The material of one element of a part.
+  /// @throws palpate::InputError a parameter has no value there, or an invalid one.
   std::pair<palpate::Material, palpate::Rheology> Of(const Part& part, Id element);
 
-  /// How they differ from FEBio's, a sentence each.
+  /// The differences from FEBio's materials, a sentence each.
   std::vector<std::string> Warnings() const;
 
 private:
@@ -78,7 +80,7 @@ private:
   void ReadPressureModel(const Tree* choice, const Part& part);
   const Map& FindMap(const std::string& name, double unit);
   void ReadMap(const Tree& data, double unit, Map& map) const;
-  /// Remembers that a material differs from FEBio's in something.
+  /// Notes a difference of a material from FEBio's.
   void Note(const std::string& what, const Part& part);
 
   const Tree& Root;
@@ -89,11 +91,11 @@ private:
   const vtkPalpateFEBio::ChildIndex Data;
   const vtkPalpateFEBioUnits& Units;
   const vtkPalpateFEBio::KnownIds& Elements;
-  /// By the name of the map and the unit of its parameter.
+  /// The maps that were read, by the name of the map and the unit of its parameter.
   std::map<std::pair<std::string, double>, Map> Maps;
-  /// The names of the materials, by what is told of them.
+  /// The names of the materials, by the difference that was noted.
   std::map<std::string, std::set<std::string>> Notes;
-  /// Those with a density, and those without.
+  /// The materials with a density, and those without.
   std::set<std::string> Heavy;
   std::set<std::string> Weightless;
 };

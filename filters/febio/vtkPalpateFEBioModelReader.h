@@ -37,7 +37,7 @@ private:
 
   void LeaveOut(const Tree& what);
 
-  /// True where the condition moves points.
+  /// Leaves a condition out, with a warning, if it moves points. @returns Whether it does.
   bool LeaveOutPrescribed(const Tree& condition);
 
   void ReadNodes();
@@ -48,25 +48,26 @@ private:
 
   void ReadElements();
 
-  /// @param parts Those of Model.Regions.
+  /// @param parts The parts of Model.Regions.
   void ReadMaterials(const std::vector<const Tree*>& parts);
 
   /// The nodes of a set, of a surface (@surface:), an edge (@edge:) or elements (@elem_set:).
   std::vector<Id> NodesOf(const std::string& reference, const Tree& where) const;
 
-  /// 1, 2 and 4 for x, y and z, of those that a condition holds.
+  /// The axes that a condition holds: the sum of 1, 2 and 4 for x, y and z.
   static int AxesOf(const Tree& condition);
 
   void ReadBoundary();
 
-  /// Holds a point along one more direction, of the length 1; along three it is fixed.
+  /// Holds a point along one more direction, of length 1. A point that is held along three
+  /// directions is fixed.
   void Hold(palpate::Index point, const palpate::Vec3& direction);
 
   using Face = std::vector<palpate::Index>;
 
   std::vector<Face> FacesOf(const std::string& name, const Tree& where) const;
 
-  /// Twice the area of its triangle is its length.
+  /// The normal of a face. Its length is twice the area of the face's triangle.
   palpate::Vec3 NormalOf(const Face& face) const;
 
   void ReadSymmetryPlane(const Tree& constraint);
@@ -75,20 +76,20 @@ private:
 
   using Corners = std::array<palpate::Index, 3>;
 
-  /// In the order of their numbers.
+  /// The corners of a face, in ascending order.
   static Corners CornersOf(const Face& face);
 
   /// The surface of the body.
   struct Boundary
   {
     std::vector<Face> Faces;
-    /// The place of each in Faces.
+    /// The index of each face in Faces, by its corners.
     std::map<Corners, std::size_t> Of;
-    /// The places of those of which a point is a corner.
+    /// For each point, the indices of the faces of which it is a corner.
     std::vector<std::vector<std::size_t>> At;
   };
 
-  /// Made when a load is first read.
+  /// The surface of the body. It is made when a load is first read.
   const Boundary& Surface();
 
   /// 1 where all faces look out of the body, -1 where all look into it, else 0.
@@ -96,12 +97,14 @@ private:
 
   /// Gives the points of faces of the surface a value.
   /// @param carries Whether an array loads a face with these corners.
-  /// @returns False, and nothing is changed, where the array would not load these and those before.
+  /// @returns False, without any change, if the array would not load exactly these faces and the
+  ///   earlier ones.
   template <class Value, class Carries>
   bool Load(const std::vector<Face>& faces, const Value& value, const Value& none,
     std::vector<Value>& array, Carries&& carries);
 
-  /// A constant pressure or traction on faces of the surface, that may be said point by point.
+  /// Reads a constant pressure or traction on faces of the surface, if values at the points can
+  /// describe it.
   bool ReadLoad(const Tree& load);
 
   void ReadTouchable();
@@ -112,11 +115,11 @@ private:
   const Tree& Root;
   const Tree* Mesh = nullptr;
   const vtkPalpateFEBioUnits* Units = nullptr;
-  /// In the order of the points, and back.
+  /// The ids of the nodes in the order of the points, and the point of each id.
   KnownIds Nodes{ {}, "node" };
   std::unordered_map<Id, palpate::Index> IndexOfNode;
   KnownIds Elements{ {}, "element" };
-  /// Of the mesh.
+  /// The sets of the mesh, by name.
   ChildIndex Sets{ nullptr };
   std::optional<Boundary> Outside;
   vtkPalpateFEBioModel Model;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What FEBio's file is written with: XML, and numbers as text.
+// Writes FEBio's file: XML, and numbers as text.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace vtkPalpateFEBio
 {
-/// With as many digits as it takes to be read as the same number.
+/// A number with as many digits as it takes to read the same number back.
 template <class Number>
 void Append(Number number, std::string& text)
 {
@@ -29,7 +29,7 @@ std::string Text(Number number)
   return text;
 }
 
-/// With a comma between them.
+/// Numbers with commas between them.
 template <class Numbers>
 std::string List(const Numbers& numbers)
 {
@@ -45,9 +45,9 @@ std::string List(const Numbers& numbers)
   return text;
 }
 
-/// Writes XML element by element, escaped by VTK: a tree of it all (vtkXMLDataElement) takes 2.5 KB
-/// for each node of a mesh. FEBio takes white space about a word for a part of it, so what stands
-/// in an element stands on its line.
+/// Writes XML element by element, escaped by VTK, since a tree of the whole file
+/// (vtkXMLDataElement) takes 2.5 KB for each node of a mesh. FEBio takes white space around a word
+/// for a part of it, so that the content of an element is on the line of its tags.
 class Output
 {
 public:

@@ -19,10 +19,10 @@ namespace vtkPalpateFEBio
 /// The names of the regions, by their numbers: a field array.
 constexpr const char* RegionNames = "Regions";
 
-/// The region of each cell, and how it is called.
+/// The region of each cell, and the names of the regions.
 struct Regions
 {
-  /// Of the cells that has them; empty: the body has none.
+  /// The cell array that has the regions; empty: the body has none.
   std::string Array;
   std::vector<double> OfCell;
   vtkStringArray* Names = nullptr;
@@ -32,11 +32,11 @@ struct Regions
 
 Regions RegionsOf(vtkUnstructuredGrid* body);
 
-/// What FEBio's file says of the materials of a body.
+/// The body as FEBio's file describes its materials.
 struct Body
 {
   palpate::Scene Scene;
-  /// Of each of the scene's materials.
+  /// The viscosity and density of each of the scene's materials.
   std::vector<palpate::Rheology> Rheologies;
 
   palpate::Index MaterialIndex(palpate::Index cell) const
@@ -62,34 +62,37 @@ struct CellParameter
   bool MayVary;
 };
 
-/// Cells with the same material, but for parameters that vary from cell to cell.
+/// Cells with the same material, except for parameters that vary from cell to cell.
 struct Part
 {
   std::string Name;
   const vtkPalpateFEBioLaw* Law;
   palpate::Formulation Formulation;
   std::vector<palpate::Index> Cells;
-  /// Of the law.
+  /// The parameters of the law.
   std::vector<CellParameter> Parameters;
   std::optional<CellParameter> Density;
 
   bool Varies(const CellParameter& parameter) const;
   std::string MapOf(const CellParameter& parameter) const;
-  /// With a pressure of its own, which FEBio gives to uncoupled materials alone.
+  /// Whether its cells have a pressure of their own, which FEBio gives to uncoupled materials
+  /// alone.
   bool IsThreeField() const;
 };
 
-/// Cells of one region, law, viscosity and formulation, whose parameters are the same, but for
-/// those that FEBio takes cell by cell where there are many parts.
-/// @throws palpate::InputError there are too many.
+/// Divides the body into parts: cells of one region, law, viscosity and formulation with the same
+/// parameters. If there would be many parts, parameters that FEBio accepts cell by cell may differ
+/// within a part.
+/// @throws palpate::InputError there are too many parts.
 std::vector<Part> PartsOf(const Body& body, const Regions& regions);
 
-/// Whether it has a Prony series.
+/// Whether a rheology has a Prony series.
 bool Relaxes(const palpate::Rheology& rheology);
 
-/// The axes along which FEBio holds a point, 1, 2 and 4 for x, y and z; none: it holds none so.
+/// The axes along which FEBio can hold a point as these directions do: the sum of 1, 2 and 4 for x,
+/// y and z; nothing: it cannot.
 std::optional<int> AxesOf(const palpate::HeldDirections& held);
 
-/// Whether a face has one traction, as FEBio's have.
+/// Whether the traction is the same all over a face, as FEBio's is.
 bool HasOneTraction(const palpate::Scene& scene, const palpate::Index* face);
 }

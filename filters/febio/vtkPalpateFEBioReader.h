@@ -29,7 +29,8 @@ public:
   vtkGetCharFromStdStringMacro(FileName);
   ///@}
   ///@{
-  /// The units of the file: -1, as it says itself, or index into vtkPalpateFEBioUnits::All().
+  /// The units of the file: an index into vtkPalpateFEBioUnits::All(), or -1 for those that the
+  /// file names.
   vtkSetMacro(Units, int);
   vtkGetMacro(Units, int);
   ///@}

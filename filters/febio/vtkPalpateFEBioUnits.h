@@ -10,19 +10,19 @@
 
 struct vtkPalpateFEBioUnits
 {
-  /// Value of the property Units that leaves it to the file.
+  /// The value of the property Units that stands for the units which the file names.
   static constexpr int NotSaid = -1;
 
   /// The text of the element <units>.
   const char* Name;
-  /// In m.
+  /// The unit of length, m.
   double Length;
-  /// In Pa: mass / (length · time²).
+  /// The unit of pressure, mass / (length · time²), Pa.
   double Pressure;
-  /// In kg/m³. The time is in s in all of them.
+  /// The unit of density, kg/m³. All systems have the time in s.
   double Density;
 
-  /// By the other values of the property.
+  /// The systems by the other values of the property.
   static const std::array<vtkPalpateFEBioUnits, 7>& All()
   {
     static constexpr std::array<vtkPalpateFEBioUnits, 7> all = { {

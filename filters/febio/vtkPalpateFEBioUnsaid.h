@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What FEBio's file does not say of a body.
+// Finds the properties of a body that FEBio's file cannot express.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace vtkPalpateFEBio
 {
-/// A sentence about each thing that FEBio's file does not say, or FEBio computes otherwise; empty
-/// where it says all.
+/// A sentence about each property that FEBio's file cannot express, or that FEBio computes
+/// otherwise; empty if there is none.
 std::string Unsaid(vtkUnstructuredGrid* grid, const Body& body, const Regions& regions,
   const std::vector<Part>& parts);
 }

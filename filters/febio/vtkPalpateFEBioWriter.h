@@ -6,10 +6,11 @@
  * Input: a body with a material and a boundary, as vtkPalpateSetBoundary gives it; a cell array
  * `RegionId` or `Region` where it has regions. The file has the nodes, the tetrahedra, a part with
  * a material for each region and material, the set of nodes `Fixed` with a zero displacement, and
- * the set `Touchable`. Ids are those of VTK and 1. Where there are more than MostParts of them, a
- * part is for each region and law, and parameters that vary in it are maps. Units are SI. Numbers
- * have all their digits. Density and Prony series are written; what FEBio has no place for is named
- * in a warning, and what it computes from another energy is an error: vtkPalpateFEBioLaw.h.
+ * the set `Touchable`. Ids are those of VTK plus 1. If there would be more than MostParts parts,
+ * there is one for each region and law, and parameters that vary in it are maps. Units are SI.
+ * Numbers have all their digits. Density and Prony series are written. Properties that FEBio's file
+ * has no place for are named in a warning, and a law with another energy than FEBio's is an error:
+ * vtkPalpateFEBioLaw.h.
  *
  * Under MPI the pieces of the body are joined by their global point ids, and rank 0 writes.
  */
@@ -27,7 +28,8 @@ public:
   vtkTypeMacro(vtkPalpateFEBioWriter, vtkUnstructuredGridAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /// Parts with a number for each parameter: so many still fit into the lists of FEBio Studio.
+  /// The largest number of parts with a number for each parameter: so many still fit into the lists
+  /// of FEBio Studio.
   static constexpr int MostParts = 100;
 
   ///@{
@@ -52,6 +54,7 @@ private:
   void operator=(const vtkPalpateFEBioWriter&) = delete;
 
   std::string FileName;
-  /// ParaView updates a writer once more after Write(), and that shall not write.
+  /// Whether the present update comes from Write(). ParaView updates a writer once more after
+  /// Write(), which must not write again.
   bool Writes = false;
 };

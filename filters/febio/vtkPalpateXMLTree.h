@@ -11,16 +11,17 @@ struct vtkPalpateXMLTree
 {
   std::string Name;
   std::vector<std::pair<std::string, std::string>> Attributes;
-  /// What stands between its tags besides the children, without white space at the ends.
+  /// The text between its tags besides the children, without white space at the ends.
   std::string Text;
   std::vector<vtkPalpateXMLTree> Children;
 
-  /// Null where there is none of that name.
+  /// The value of an attribute, or null.
   const std::string* Attribute(const char* name) const;
   /// The first child of that name, or null.
   const vtkPalpateXMLTree* Child(const char* name) const;
 };
 
 /// The root of the file.
-/// @throws palpate::InputError there is no such file, or it is no XML: what is wrong, and where.
+/// @throws palpate::InputError there is no such file, or it is no XML: the message says what is
+///   wrong, and where.
 vtkPalpateXMLTree vtkPalpateReadXML(const std::string& fileName);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From the walls of one region or of several to the tetrahedra between them.
+// Fills the space within the walls of one region or of several with tetrahedra.
 #pragma once
 
 #include "PalpateMeshingModule.h"
@@ -28,14 +28,14 @@ struct vtkPalpateRegionSeed
 /// Fills `body` with the tetrahedra of the regions that have a seed, with their cell array
 /// `RegionId`. Any number of walls may share an edge; regions share the points of the wall between
 /// them.
-/// @pre The walls cross each other nowhere. @throws as vtkPalpateRunTetGen.
+/// @pre The walls do not cross each other. @throws as vtkPalpateRunTetGen.
 PALPATEMESHING_EXPORT void vtkPalpateMeshRegions(const vtkPalpateSurface& walls,
   const std::vector<vtkPalpateRegionSeed>& seeds, const vtkPalpateBodyMeshOptions& options,
   const vtkPalpateTetGenLimits& limits, vtkUnstructuredGrid* body);
 
 /// Fills `body` with the tetrahedra of the compartments that hold tissue, with their cell array
 /// `Region`. Points that no tetrahedron uses are left out.
-/// @pre The walls cross each other nowhere. @throws as vtkPalpateRunTetGen.
+/// @pre The walls do not cross each other. @throws as vtkPalpateRunTetGen.
 PALPATEMESHING_EXPORT void vtkPalpateMeshBody(const vtkPalpateSurface& walls,
   const vtkPalpateCompartments& compartments, const vtkPalpateBodyMeshOptions& options,
   const vtkPalpateTetGenLimits& limits, vtkUnstructuredGrid* body);

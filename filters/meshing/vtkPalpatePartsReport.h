@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What became of the parts of a label map in the body that was made of it, in words.
+// A report on what became of the parts of a label map in the body that was made of it.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 #include "vtkPalpateLabelParts.h"
 #include "vtkPalpateLabelSurface.h"
 
-/// A label, with its name where it has one.
+/// A label for a message, with its name if it has one.
 PALPATEMESHING_EXPORT std::string vtkPalpateNameOfLabel(
   int label, const std::map<int, std::string>& names);
 
@@ -27,7 +27,7 @@ public:
 
   vtkPalpatePoint Place(std::size_t part) const;
 
-  /// What is not as in the image, the largest part of each kind first; empty where all is.
+  /// The differences from the image, the largest part of each kind first; empty if there are none.
   std::string Wrong() const;
 
   /// A line for each part of labels that have several, and for each cavity.
@@ -41,7 +41,7 @@ private:
 
   std::string Name(std::size_t part) const;
 
-  /// A sentence that lists parts, the largest first. @param tell What is said of each.
+  /// A sentence that lists parts, the largest first. @param tell Gives the text about each.
   std::string List(const char* title, std::vector<std::size_t> parts,
     const std::function<std::string(std::size_t)>& tell) const;
 

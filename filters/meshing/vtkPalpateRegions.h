@@ -16,7 +16,7 @@ class vtkUnstructuredGrid;
 PALPATEMESHING_EXPORT std::string vtkPalpateNameOfRegion(
   const vtkPalpateTissueSurfaces& tissues, int region);
 
-/// What the user sees of compartments.
+/// The compartments that hold tissue, as the user sees them.
 class PALPATEMESHING_EXPORT vtkPalpateRegions
 {
 public:
@@ -25,14 +25,14 @@ public:
 
   std::size_t Count() const { return VolumeOf.size(); }
 
-  /// Of all regions, m³.
+  /// The volume of all regions, m³.
   double Volume() const;
 
   /// @throws palpate::InputError two tissues claim the same space.
   void RequireNoOverlap() const;
 
   /// Gives the cells of the body the numbers of their regions, and the body the list of them.
-  /// @returns what is doubtful, for a person.
+  /// @returns A text for the user about what is doubtful.
   std::string Finish(vtkUnstructuredGrid* body) const;
 
 private:

@@ -22,7 +22,8 @@ public:
   vtkAbstractTypeMacro(vtkPalpateTetrahedralize, vtkUnstructuredGridAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{ Number of a vtkPalpateUnit: in which the input has its lengths. All lengths and volumes of
+  ///@{
+  /// Number of a vtkPalpateUnit: the unit of the lengths of the input. All lengths and volumes of
   /// the properties are in m, and so is the body.
   vtkSetMacro(Unit, int);
   vtkGetMacro(Unit, int);
@@ -51,7 +52,8 @@ public:
   vtkMultiProcessController* GetController() const;
   ///@}
 
-  ///@{ What the filter will take, by its properties and what its input is now.
+  ///@{
+  /// The expected cost of the filter, by its properties and its present input.
   /// @note Collective.
   void UpdateEstimate();
   vtkGetCharFromStdStringMacro(Estimate);
@@ -63,17 +65,18 @@ protected:
 
   int FillOutputPortInformation(int port, vtkInformation* info) override;
 
-  /// More of them are a slip of a unit, not a wish.
+  /// The largest number of tetrahedra. Whoever asks for more has most likely chosen a wrong unit.
   static constexpr double MostTetrahedra = 2e7;
 
-  /// The user wants no result any more.
+  /// Thrown when the user has asked for an abort.
   struct Aborted
   {
   };
 
-  /// What UpdateEstimate() says, on every rank.
+  /// The text for UpdateEstimate(), on every rank.
   virtual std::string MakeEstimate() = 0;
-  /// @throws palpate::InputError a property out of its range, by name.
+  /// Checks the properties.
+  /// @throws palpate::InputError a property is out of its range: the message names it.
   virtual void Validate() const;
   /// @throws palpate::InputError "<name> is <value>, but must be <range>."
   static void Require(bool holds, const std::string& name, double value, const char* range);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkPalpateTetrahedralizeLabelMap
- * @brief   makes one body of tetrahedra of a segmented image
+ * @brief makes one body of tetrahedra from a segmented image
  *
  * The image has a whole number for each voxel (an array of its points or cells), the label of the
  * tissue there; 0 is not part of the body, nor are negative ones unless they are named. The walls
@@ -53,7 +53,8 @@ public:
   void ClearLabels();
   ///@}
 
-  ///@{ Edge of the tetrahedra, m; 0 = so that there are some ten thousand of them.
+  ///@{
+  /// Edge of the tetrahedra, m; 0 = an edge that gives some ten thousand of them.
   vtkSetMacro(ElementSize, double);
   vtkGetMacro(ElementSize, double);
   ///@}
@@ -63,7 +64,8 @@ public:
   void ClearLabelSizes();
   ///@}
 
-  ///@{ Steps in which the walls are smoothed; 0 = they are the faces of voxels.
+  ///@{
+  /// Number of steps in which the walls are smoothed; 0 = the walls are the faces of voxels.
   vtkSetMacro(Smoothing, int);
   vtkGetMacro(Smoothing, int);
   ///@}
@@ -73,7 +75,8 @@ public:
   vtkGetMacro(SmallestIsland, double);
   ///@}
 
-  ///@{ Whether what the body encloses is given to the label around it.
+  ///@{
+  /// Whether the cavities that the body encloses are given to the label around them.
   vtkSetMacro(FillHoles, bool);
   vtkGetMacro(FillHoles, bool);
   vtkBooleanMacro(FillHoles, bool);
@@ -103,11 +106,12 @@ private:
   /// The edge of the tetrahedra of each label, m.
   std::map<int, double> Sizes(
     const std::map<int, double>& volumes, const vtkPalpateLabelGrid& grid) const;
-  /// How many tetrahedra they ask for. @throws palpate::InputError more than would be made.
+  /// The number of tetrahedra that these edges ask for.
+  /// @throws palpate::InputError it is above the largest one.
   double CountTetrahedra(
     const std::map<int, double>& volumes, const std::map<int, double>& sizes) const;
-  /// Cubes of the least of these edges, which become less where they are automatic and a label
-  /// vanishes.
+  /// Samples the parts on cubes with the least of these edges. If the edges are automatic and a
+  /// label vanishes, they become smaller.
   vtkPalpateCubes Resample(const vtkPalpateLabelParts& parts, const std::map<int, double>& volumes,
     std::map<int, double>& sizes) const;
 

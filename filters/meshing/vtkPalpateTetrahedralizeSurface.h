@@ -70,9 +70,9 @@ public:
   vtkGetCharFromStdStringMacro(RegionArray);
   ///@}
 
-  ///@{ How far from each other the walls of two tissues may lie that are one wall, m; 0 = by no
-  /// more
-  /// than rounding.
+  ///@{
+  /// The largest distance of the walls of two tissues that are taken for one wall, m; 0 = only
+  /// rounding.
   vtkSetMacro(WallTolerance, double);
   vtkGetMacro(WallTolerance, double);
   ///@}
@@ -120,17 +120,18 @@ private:
   void Tetrahedralize(
     const vtkPalpateTissueSurfaces& tissues, vtkUnstructuredGrid* body, vtkPolyData* faults);
   vtkPalpateSurface SurfaceOf(vtkPolyData* input) const;
-  /// The surfaces with one triangulation for each wall that two of them share; nothing where none
-  /// was found.
+  /// The surfaces with one triangulation for each wall that two of them share; nothing if there is
+  /// no such wall.
   std::optional<vtkPalpateRepairedSurface> MatchWalls(const vtkPalpateSurface& surface,
     const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments,
     const vtkPalpateSurfaceFaults& faults) const;
   vtkPalpateRepairOptions RepairOptions();
   void Mesh(const vtkPalpateSurface& given, vtkPalpateRepairedSurface& repaired,
     const vtkPalpateTissueSurfaces& tissues, vtkUnstructuredGrid* body);
-  /// @param volume Of the body, m³. @throws palpate::InputError it is far beyond MaximumVolume.
+  /// @param volume The volume of the body, m³.
+  /// @throws palpate::InputError with MaximumVolume there would be far too many tetrahedra.
   void RequireFewEnough(double volume) const;
-  /// About how many of them the mesher will make.
+  /// The approximate number of tetrahedra that the mesher will make.
   double CountTetrahedra(const vtkPalpateSurface& surface) const;
 
   double MaximumVolume = 0;

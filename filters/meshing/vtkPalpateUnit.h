@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The unit of length of an input from elsewhere. Everything behind the first filter is in m.
+// The unit of length of an input from elsewhere. From the output of the first filter on, all
+// lengths are in m.
 #pragma once
 
 #include <string>
@@ -18,7 +19,7 @@ struct vtkPalpateUnit
     Micrometre = 3
   };
 
-  /// In m. @throws palpate::InputError there is no such unit.
+  /// The length of a unit, m. @throws palpate::InputError there is no such unit.
   static double Length(int unit)
   {
     switch (unit)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a person is told of walls that lie near to each other, cross, or close in voids, and what to
-// do about it.
+// Messages about walls that are close to each other, cross, or enclose voids, with advice what to
+// do.
 #pragma once
 
 #include <array>
@@ -16,13 +16,13 @@
 #include "vtkPalpateWallMatch.h"
 #include "vtkPalpateWholeSurface.h"
 
-/// The same compartments with the overlaps that there are if each surface that hangs together is of
-/// a region of its own.
+/// The same compartments, with the overlaps that result if each connected surface bounds a region
+/// of its own.
 PALPATEMESHING_EXPORT vtkPalpateCompartments vtkPalpateOverlapsOfSeparateSurfaces(
   const vtkPalpateSurface& surfaces, vtkPalpateCompartments compartments);
 
-/// How far the surfaces of two tissues, or two surfaces where nobody says, reach into each other,
-/// m.
+/// How far the surfaces of two tissues reach into each other, m. Without tissues, it is measured
+/// between connected surfaces.
 class PALPATEMESHING_EXPORT vtkPalpateOverlaps
 {
 public:
@@ -30,7 +30,7 @@ public:
     const vtkPalpateSurfaceFaults& faults);
 
   bool Any() const { return !Crossing.empty(); }
-  /// Of all, m; infinity where one crosses itself.
+  /// The largest of all these depths, m; infinity if a surface crosses itself.
   double Deepest() const;
   bool HasNumbers() const { return Named; }
 
@@ -38,7 +38,8 @@ public:
   std::string List(const vtkPalpateTissueSurfaces& tissues) const;
 
 private:
-  /// How deep the corners of one's crossing triangles lie within the other at most.
+  /// The largest depth, within the other surface, of the corners of one surface's crossing
+  /// triangles.
   double Depth(const std::set<vtkIdType>& triangles, int one, int other) const;
 
   static double DistanceTo(const vtkPalpateSurface& surface, const vtkPalpatePoint& x);
@@ -53,17 +54,17 @@ private:
 /// Whether walls that were matched bound bodies without a fault.
 PALPATEMESHING_EXPORT bool vtkPalpateAreMatched(const vtkPalpateMatchedWalls& matched);
 
-/// Tells of bodies that lie beside each other so closely that a wall between them was meant; empty
-/// where there are none.
+/// A message about bodies that lie so close to each other that they are probably meant to share a
+/// wall; empty if there are none.
 PALPATEMESHING_EXPORT std::string vtkPalpateTellGaps(
   const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments);
 
-/// Tells of voids that are closed in between walls which lie so near to each other that they may be
-/// one; empty where there are none.
+/// A message about voids between walls which are so close to each other that they may be meant as
+/// one wall; empty if there are none.
 PALPATEMESHING_EXPORT std::string vtkPalpateTellVoids(const vtkPalpateSurface& surface,
   const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments);
 
-/// What to do about the faults of a surface.
+/// Advice about the faults of a surface.
 PALPATEMESHING_EXPORT std::string vtkPalpateAdviceFor(const vtkPalpateSurface& surface,
   const vtkPalpateWalls& walls, const vtkPalpateSurfaceFaults& faults,
   const vtkPalpateTissueSurfaces& tissues);

@@ -14,17 +14,19 @@
 
 struct vtkPalpateMatchedWalls
 {
-  /// A wall of two of them is there twice, with the same triangles. Its parts are the surfaces.
+  /// The matched surfaces. A wall that two of them share is there twice, with the same triangles.
+  /// Parts tells the surfaces apart.
   vtkPalpateSurface Surfaces;
   vtkIdType Replaced = 0;     ///< triangles
   double Moved = 0;           ///< how far the wall of one lay from that of the other at most, m
   vtkPalpatePoint Place = {}; ///< of one of the triangles that were replaced, m
-  /// The surfaces are as they were, since the walls would have had to be cut too finely.
+  /// Whether the match was given up, since the walls would have had to be cut too finely. The
+  /// surfaces are unchanged then.
   bool IsGivenUp = false;
 };
 
-/// @param surfaces Those of one tissue are one surface; where nobody says, those that hang
-/// together.
-/// @param tolerance How far from each other two walls may lie that are one, m.
+/// @param surfaces The triangles of one tissue are one surface; without tissues, those of a
+///   connected part.
+/// @param tolerance The largest distance of two walls that are taken for one, m.
 PALPATEMESHING_EXPORT vtkPalpateMatchedWalls vtkPalpateMatchWalls(
   const vtkPalpateSurface& surfaces, double tolerance);

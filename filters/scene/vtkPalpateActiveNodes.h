@@ -10,8 +10,8 @@
 #include "vtkType.h"
 
 /// Ids of points as the solver's indices; palpate::BondedPatches checks the rest.
-/// @param name What the error calls one.
-/// @throws palpate::InputError an id that is no index.
+/// @param name The name of such a point in the error.
+/// @throws palpate::InputError an id is no index.
 inline std::vector<palpate::Index> vtkPalpateActiveNodes(
   const std::vector<vtkIdType>& ids, const std::string& name = "Active node")
 {

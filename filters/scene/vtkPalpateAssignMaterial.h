@@ -49,40 +49,40 @@ public:
   vtkGetMacro(Law, int);
   ///@}
   ///@{
-  /// Pa, positive. Laws 0 to 2, 5 and 6.
+  /// Young's modulus, Pa, positive. For laws 0 to 2, 5 and 6.
   vtkSetMacro(YoungsModulus, double);
   vtkGetMacro(YoungsModulus, double);
   ///@}
   ///@{
-  /// Between -1 and 0.5, both excluded. Laws 0 to 2 and 5.
+  /// Poisson's ratio, between -1 and 0.5, both excluded. For laws 0 to 2 and 5.
   vtkSetMacro(PoissonsRatio, double);
   vtkGetMacro(PoissonsRatio, double);
   ///@}
   ///@{
-  /// Pa, not negative, not both 0. Laws 3 and 7.
+  /// C₁₀ and C₀₁, Pa, not negative, not both 0. For laws 3 and 7.
   vtkSetMacro(C10, double);
   vtkGetMacro(C10, double);
   vtkSetMacro(C01, double);
   vtkGetMacro(C01, double);
   ///@}
   ///@{
-  /// Pa, positive. Laws 3, 4 and 8.
+  /// The bulk modulus, Pa, positive. For laws 3, 4 and 8.
   vtkSetMacro(BulkModulus, double);
   vtkGetMacro(BulkModulus, double);
   ///@}
   ///@{
-  /// How fast the material stiffens, positive. Law 5.
+  /// The exponent, which says how fast the material stiffens, positive. For law 5.
   vtkSetMacro(Exponent, double);
   vtkGetMacro(Exponent, double);
   ///@}
   ///@{
-  /// C_rs, Pa, of the powers r and s with a sum of 1, 2 or 3; those that are not given are 0.
-  /// Law 4.
+  /// C_rs, Pa, for the powers r and s with a sum of 1, 2 or 3; coefficients that are not given are
+  /// 0. For law 4.
   void AddCoefficient(double r, double s, double value);
   void ClearCoefficients();
   ///@}
   ///@{
-  /// The μ_i (Pa) and α_i of the terms; of one that is not there both are 0. Law 8.
+  /// The μ_i (Pa) and α_i of the terms; both are 0 for a term that is not used. For law 8.
   vtkSetVector3Macro(OgdenModuli, double);
   vtkGetVector3Macro(OgdenModuli, double);
   vtkSetVector3Macro(OgdenExponents, double);
@@ -94,18 +94,18 @@ public:
   vtkGetMacro(Formulation, int);
   ///@}
   ///@{
-  /// Of quadratic cells that are mixed: 0 the standard rule, 1 a fine one
+  /// The quadrature of quadratic cells that are mixed: 0 the standard rule, 1 a fine one
   /// (Formulation::mixed_fine).
   vtkSetMacro(Quadrature, int);
   vtkGetMacro(Quadrature, int);
   ///@}
   ///@{
-  /// kg/m^3, not negative.
+  /// The density, kg/m^3, not negative.
   vtkSetMacro(Density, double);
   vtkGetMacro(Density, double);
   ///@}
   ///@{
-  /// Of Kelvin's and Voigt's viscosity, s, not negative.
+  /// The time of the Kelvin-Voigt viscosity, s, not negative.
   vtkSetMacro(ViscousTime, double);
   vtkGetMacro(ViscousTime, double);
   ///@}
@@ -125,7 +125,7 @@ public:
     Table = 3    ///< Regions: a material for each of several values of RegionArray
   };
   ///@{
-  /// What says which cells get the material.
+  /// Says how the cells that get the material are chosen.
   vtkSetMacro(RegionType, int);
   vtkGetMacro(RegionType, int);
   ///@}
@@ -135,7 +135,7 @@ public:
   vtkGetCharFromStdStringMacro(RegionArray);
   ///@}
   ///@{
-  /// Value of RegionArray in the cells that get the material.
+  /// The value of RegionArray in the cells that get the material.
   vtkSetMacro(RegionValue, double);
   vtkGetMacro(RegionValue, double);
   ///@}
@@ -149,14 +149,14 @@ public:
   void ClearRegions();
   ///@}
   ///@{
-  /// The cells whose middle is where the function is not positive get the material.
+  /// The cells at whose middle the function is not positive get the material.
   virtual void SetRegionShape(vtkImplicitFunction* shape);
   vtkImplicitFunction* GetRegionShape() const;
   ///@}
 
   ///@{
-  /// The names that AddRegion takes, those of the laws and then those of the tissues, and
-  /// parameters of soft tissue for a law; a tissue has none.
+  /// The names that AddRegion accepts: those of the laws, then those of the tissues. Also the
+  /// parameters of soft tissue for a law; a tissue needs none.
   static std::vector<std::string> LawNames();
   static std::string ParametersOfLaw(const std::string& name);
   ///@}
@@ -174,13 +174,13 @@ private:
   vtkPalpateAssignMaterial(const vtkPalpateAssignMaterial&) = delete;
   void operator=(const vtkPalpateAssignMaterial&) = delete;
 
-  /// What a region is made of.
+  /// The material of a region.
   struct Assignment;
 
   palpate::Material MakeMaterial() const;
   /// The material with Formulation and Quadrature.
   palpate::Material InItsFormulation(const palpate::Material& material) const;
-  /// Empty where none of its properties is given.
+  /// The rheology of the properties; nothing if none of them is given.
   std::optional<palpate::Rheology> MakeRheology() const;
   std::vector<char> ChooseCells(vtkUnstructuredGrid* body, vtkPolyData* surface) const;
   std::vector<Assignment> Assignments(vtkUnstructuredGrid* body, vtkPolyData* surface) const;

@@ -29,19 +29,20 @@ struct vtkPalpateBodyCells
   vtkSmartPointer<vtkUnstructuredGrid> Body;
   /// The corners that each new point is between.
   std::vector<std::array<vtkIdType, 2>> Added;
-  /// What was left out, for a warning; empty where nothing was.
+  /// A text about what was left out, for a warning; empty if nothing was.
   std::string LeftOut;
 };
 
-/// @returns the grid itself where it has no other cells. New points have point data by the shape
-/// functions, or where numbers are whole, the lesser of those of both ends.
-/// @throws palpate::InputError a cell of three dimensions that cannot be cut, or linear cells
-/// beside others: it names the first one.
+/// Makes a body of tetrahedra.
+/// @returns The grid itself if it has no other cells. New points have point data by the shape
+///   functions, or in arrays of whole numbers, the lesser value of both ends.
+/// @throws palpate::InputError a cell of three dimensions cannot be cut, or there are linear cells
+///   beside others: the message names the first one.
 PALPATESCENE_EXPORT vtkPalpateBodyCells vtkPalpateToTetrahedra(vtkUnstructuredGrid* grid);
 
-/// The points of a choice among those of the grid, and the new ones between two of them.
+/// Extends a choice of points of the grid by the new points between two chosen ones.
 PALPATESCENE_EXPORT std::vector<char> vtkPalpateExtendChoice(
   const vtkPalpateBodyCells& cells, std::vector<char> chosen);
 
-/// As people know a cell, vtkHexahedron.
+/// The name of a type of cells, such as vtkHexahedron.
 PALPATESCENE_EXPORT std::string vtkPalpateCellTypeName(int type);

@@ -36,14 +36,16 @@ struct vtkPalpateMaterials
 {
   static constexpr palpate::Index None = -1;
 
-  /// The different ones that occur.
+  /// The different materials that occur.
   std::vector<palpate::Material> Each;
-  /// Index into Each, or None [number of cells].
+  /// The material of each cell: an index into Each, or None [number of cells].
   std::vector<palpate::Index> OfCell;
 };
 
-/// The materials of the cells that are `wanted` [number of cells]; the others count as without.
-/// @throws palpate::InputError the first cell whose arrays make no material, and why.
+/// Reads the materials of the cells that are `wanted` [number of cells]; the others count as cells
+/// without a material.
+/// @throws palpate::InputError the arrays of a cell give no valid material: the message names the
+///   first such cell, and says why.
 PALPATESCENE_EXPORT vtkPalpateMaterials vtkPalpateReadMaterials(
   vtkUnstructuredGrid* body, const std::vector<char>& wanted);
 
@@ -51,18 +53,19 @@ PALPATESCENE_EXPORT vtkPalpateMaterials vtkPalpateReadMaterials(
 PALPATESCENE_EXPORT void vtkPalpateWriteMaterials(
   const vtkPalpateMaterials& materials, vtkUnstructuredGrid* body);
 
-/// The cells that are `wanted` get a rheology [number of cells], and the others keep theirs; an
-/// array that is 0 throughout then is removed.
+/// Gives the cells that are `wanted` a rheology [number of cells]; the others keep theirs. An array
+/// that is 0 throughout afterwards is removed.
 PALPATESCENE_EXPORT void vtkPalpateAssignRheology(
   const palpate::Rheology& rheology, const std::vector<char>& wanted, vtkUnstructuredGrid* body);
 
-/// Adds the arrays of the rheologies, but those that are 0 throughout.
+/// Adds the arrays of the rheologies, except those that are 0 throughout.
 /// @param rheologyOfCell Index into `rheologies` [number of cells].
 PALPATESCENE_EXPORT void vtkPalpateWriteRheologies(const std::vector<palpate::Rheology>& rheologies,
   const std::vector<palpate::Index>& rheologyOfCell, vtkUnstructuredGrid* body);
 
-/// The rheology of each material, 0 where there are no arrays. A material whose cells differ in it
-/// becomes several.
-/// @throws palpate::InputError the first cell whose arrays make no rheology, and why.
+/// Reads the rheology of each material, which is 0 without arrays. A material whose cells differ in
+/// their rheology becomes several materials.
+/// @throws palpate::InputError the arrays of a cell give no valid rheology: the message names the
+///   first such cell, and says why.
 PALPATESCENE_EXPORT std::vector<palpate::Rheology> vtkPalpateReadRheologies(
   vtkUnstructuredGrid* body, vtkPalpateMaterials& materials);

@@ -44,20 +44,22 @@ inline constexpr const char* Displacement = "Displacement";
 inline constexpr const char* ContactPressure = "ContactPressure";
 }
 
-/// @throws palpate::InputError no cells, or cells that are not all VTK_TETRA or all
-/// VTK_QUADRATIC_TETRA: it names the first one.
+/// The order of the grid's elements.
+/// @throws palpate::InputError there are no cells, or not all are VTK_TETRA or all
+///   VTK_QUADRATIC_TETRA: the message names the first other one.
 PALPATESCENE_EXPORT palpate::ElementOrder vtkPalpateElementOrder(vtkUnstructuredGrid* grid);
 
-/// Points and cells as they are: palpate::check_and_orient looks at the geometry.
+/// The points and cells as they are, without a check of the geometry, which
+/// palpate::check_and_orient makes.
 /// @throws palpate::InputError as vtkPalpateElementOrder.
 PALPATESCENE_EXPORT palpate::TetMesh vtkPalpateMeshFromGrid(vtkUnstructuredGrid* grid);
 
-/// The arrays that the grid has of what holds the body besides fixed points and of what loads its
-/// surface, as they are.
-/// @throws palpate::InputError one that has another number of components, or is no point array.
+/// Reads the arrays of what holds the body besides fixed points, and of what loads its surface,
+/// without further checks.
+/// @throws palpate::InputError an array has a wrong number of components, or is no point array.
 PALPATESCENE_EXPORT void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene);
 
-/// Writes them, those that the scene has.
+/// Writes those of these arrays that the scene has.
 PALPATESCENE_EXPORT void vtkPalpateWriteBoundary(
   const palpate::Scene& scene, vtkUnstructuredGrid* grid);
 
@@ -70,18 +72,20 @@ PALPATESCENE_EXPORT std::vector<char> vtkPalpateHeldPoints(const palpate::Scene&
 PALPATESCENE_EXPORT std::vector<char> vtkPalpateTouchableSurface(
   const palpate::TetMesh& mesh, const std::vector<char>& fixed);
 
-/// The scene, checked.
-/// @throws palpate::InputError what is wrong, where, and which filter mends it.
+/// Makes the scene and checks it.
+/// @throws palpate::InputError the scene is not valid: the message says what is wrong, where, and
+///   which filter mends it.
 PALPATESCENE_EXPORT palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid* grid);
 
-/// The scene, checked, and the rheology of each of its materials. Its equilibria are those of the
-/// scene above, but cells that differ in their rheology have materials of their own.
-/// @throws palpate::InputError the same, and a cell whose arrays make no rheology.
+/// Makes the scene, checks it, and reads the rheology of each of its materials. Its equilibria are
+/// those of the scene above, but cells that differ in their rheology have materials of their own.
+/// @throws palpate::InputError as above; also if the arrays of a cell give no valid rheology.
 PALPATESCENE_EXPORT palpate::Scene vtkPalpateSceneFromGrid(
   vtkUnstructuredGrid* grid, std::vector<palpate::Rheology>& rheologies);
 
-/// The scene under a body force, m/s², checked; zero: the first of these scenes.
-/// @throws palpate::InputError the same, and a body without density.
+/// Makes the scene under a body force, m/s², and checks it. With a body force of zero it is the
+/// first of these scenes.
+/// @throws palpate::InputError as above; also if the body has no density.
 PALPATESCENE_EXPORT palpate::Scene vtkPalpateSceneFromGrid(
   vtkUnstructuredGrid* grid, const palpate::Vec3& bodyForce);
 
@@ -101,11 +105,12 @@ PALPATESCENE_EXPORT void vtkPalpateAddChoice(
   vtkUnstructuredGrid* grid, const char* name, const std::vector<char>& chosen);
 
 /// Adds the point array `BoundaryKind`, to be seen: 0 free, 1 touchable, 2 fixed, 3 held along a
-/// direction or by springs, 4 under a pressure or a traction. Of a point with several it is the
-/// first of fixed, held, loaded, touchable. Their names are in plugin/Palpate/PalpateLooks.cxx.
+/// direction or by springs, 4 under a pressure or a traction. A point of several kinds has the
+/// first one of fixed, held, loaded, touchable. The names of the kinds are in
+/// plugin/Palpate/PalpateLooks.cxx.
 PALPATESCENE_EXPORT void vtkPalpateAddBoundaryKinds(
   const palpate::Scene& scene, vtkUnstructuredGrid* grid);
 
-/// A point array with three components.
+/// Makes a point array with three components.
 PALPATESCENE_EXPORT vtkSmartPointer<vtkDoubleArray> vtkPalpateNodalArray(
   const char* name, const palpate::NodalVector& values);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scene of which a filter tells what it will take (vtkPalpateEstimate.h).
+// The scene for which a filter estimates its cost (vtkPalpateEstimate.h).
 #pragma once
 
 #include <optional>
@@ -10,8 +10,9 @@
 
 class vtkMultiProcessController;
 
-/// The scene that a filter has as its input, on rank 0; none on the others.
-/// @param own What this rank has of it; a piece may be null. @param bodyForce It is under, m/s².
+/// The scene that a filter has as its input, on rank 0; nothing on the others.
+/// @param own The pieces of the body that this rank has; a piece may be null.
+/// @param bodyForce The body force on the scene, m/s².
 /// @note Collective. @throws palpate::InputError on every rank: there is none yet, or as
 /// vtkPalpateSceneFromGrid.
 [[nodiscard]] PALPATESCENE_EXPORT std::optional<palpate::Scene> vtkPalpateSceneToEstimate(

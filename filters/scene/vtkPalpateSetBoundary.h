@@ -3,17 +3,17 @@
  * @class vtkPalpateSetBoundary
  * @brief says where a body is held, what loads it, and where it may be touched
  *
- * Adds the point arrays `Fixed` and `Touchable` (1 or 0) to the body. Fixed are the points that are
- * chosen, midside nodes too. Touchable are those of the chosen points that are corners on the
- * surface and not fixed.
+ * Adds the point arrays `Fixed` and `Touchable` (1 or 0) to the body. The chosen points become
+ * fixed, midside nodes too. Of the points that are chosen to be touchable, those that are corners
+ * on the surface and not fixed become touchable.
  *
  * By `Support` the chosen points are held along a direction or by springs instead, and by `Load`
- * the surface bears a pressure or a traction: in the point arrays of vtkPalpateScene.h. What the
- * input has of these stays, and `Fixed` too where the points are not fixed.
+ * the surface bears a pressure or a traction: in the point arrays of vtkPalpateScene.h. Arrays of
+ * these that the input has are kept, and so is `Fixed` if the chosen points are held otherwise.
  *
- * Of a body in several pieces it tells which of them touch without sharing points, so that nothing
- * joins them. Those points are merged where that is asked for; then the field array `MergedPoints`
- * says how many were taken away, and points have other ids than in the input.
+ * If a body is in several pieces, a warning names those that touch without sharing points, since
+ * nothing joins them. Those points are merged where that is asked for; then the field array
+ * `MergedPoints` says how many were taken away, and points have other ids than in the input.
  *
  * Input ports 1, 2 and 3 are the selections of held, of touchable and of loaded points, all
  * optional. Of selected cells all points are chosen.
@@ -42,7 +42,7 @@ public:
   vtkTypeMacro(vtkPalpateSetBoundary, vtkUnstructuredGridAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /// What chooses the points.
+  /// The ways to choose points.
   enum Chooser
   {
     REGION = 0,    ///< where an implicit function is not positive
@@ -52,7 +52,7 @@ public:
     CAVITIES = 4   ///< the surfaces of closed cavities; loaded points alone
   };
 
-  /// What holds the points that `FixedBy` chooses.
+  /// The ways to hold the points that `FixedBy` chooses.
   enum Holder
   {
     FIXED = 0,     ///< u = 0
@@ -62,7 +62,7 @@ public:
     NOTHING = 4    ///< nothing is chosen
   };
 
-  /// What loads the points that `LoadBy` chooses.
+  /// The ways to load the points that `LoadBy` chooses.
   enum Loader
   {
     NO_LOAD = 0,
@@ -140,11 +140,11 @@ private:
   void operator=(const vtkPalpateSetBoundary&) = delete;
 
   void SetRegion(vtkSmartPointer<vtkImplicitFunction>& region, vtkImplicitFunction* to);
-  /// The mesh, and what of the input stays of what holds and loads it.
+  /// The mesh, with the supports and loads of the input that are kept.
   palpate::Scene SceneBefore(vtkUnstructuredGrid* body) const;
-  /// Holds the chosen points of a scene that has its mesh and what its grid has.
+  /// Holds the chosen points of a scene, which already has its mesh and the arrays of its grid.
   void Hold(const std::vector<char>& chosen, palpate::Scene& scene) const;
-  /// Loads it. @returns the area that bears such a load, m².
+  /// Loads the faces of the chosen points. @returns The area that bears such a load, m².
   double LoadFaces(const std::vector<char>& chosen, palpate::Scene& scene) const;
 
   int Support = FIXED;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Under MPI each rank has a piece of the data, and a reader may give all cells to one of them. The
-// filters of ours work on the whole body: on rank 0, or on every rank.
+// Under MPI each rank has a piece of the data, and a reader may give all cells to one rank. Our
+// filters work on the whole body: on rank 0, or on every rank.
 #pragma once
 
 #include <vector>
@@ -20,12 +20,12 @@ struct Rheology;
 struct Scene;
 }
 
-/// The body on rank 0, null on the others. Where several pieces have cells, they are joined by
-/// their global point ids, in whose order the points of the body then are.
-/// @param own What this rank has of it.
+/// The body on rank 0, null on the others. If several pieces have cells, they are joined by their
+/// global point ids, and the points of the body are in the order of these ids.
+/// @param own The piece that this rank has.
 /// @param controller The ranks; null: one.
 /// @note Collective.
-/// @throws palpate::InputError on rank 0, where several pieces have cells but no global ids.
+/// @throws palpate::InputError on rank 0, if several pieces have cells but no global ids.
 PALPATESCENE_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
   const vtkPalpatePieces& own, vtkMultiProcessController* controller);
 PALPATESCENE_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(

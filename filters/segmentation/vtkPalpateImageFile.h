@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An image as its file says: palpate-image reads it (filters/image/main.cxx).
+// An image as it is in its file. palpate-image reads it (filters/programs/image/main.cxx).
 #pragma once
 
 #include <array>
@@ -25,31 +25,34 @@ struct vtkPalpateImageHeader
     return static_cast<std::size_t>(Size[0]) * static_cast<std::size_t>(Size[1]) *
       static_cast<std::size_t>(Size[2]);
   }
-  /// Of a voxel, in the file's unit.
+  /// The volume of a voxel, in the cube of the file's unit.
   double Volume() const;
 };
 
 struct vtkPalpateImageFile
 {
   vtkPalpateImageHeader Header;
-  /// Of the voxels, the first axis fastest, those of one side by side. One of both is empty: whole
-  /// numbers are labels.
+  /// The values of the voxels, the first axis fastest, with the components of a voxel next to each
+  /// other. One of the two is empty: whole numbers are labels.
   std::vector<int> Labels;
   std::vector<double> Values;
 };
 
-/// Whether the name is that of a file that the two below read: NRRD, MetaImage or NIfTI.
+/// Whether the name is that of a file which the following two functions read: NRRD, MetaImage or
+/// NIfTI.
 bool vtkPalpateIsImageFile(const std::string& file);
 
-/// Places are in LPS: x to the left of the person, y to the back, z to the head.
-/// @throws palpate::InputError the file cannot be read, and why.
+/// Reads the header of a file. Places are in LPS: x to the left of the person, y to the back, z to
+/// the head.
+/// @throws palpate::InputError the file cannot be read: the message says why.
 /// @throws palpate::BackendError palpate-image cannot be run.
 vtkPalpateImageHeader vtkPalpateReadImageHeader(const std::string& file);
 
-/// @param poll Called many times a second meanwhile. What it throws ends the reading. May be empty.
+/// Reads a file.
+/// @param poll Called many times a second meanwhile. An exception ends the reading. May be empty.
 vtkPalpateImageFile vtkPalpateReadImageFile(
   const std::string& file, const std::function<void()>& poll);
 
-/// The voxels in another order, so that their axes point as nearly along x, y and z as they can.
-/// Right-handed, then: the axes with the largest sum of their own components are.
+/// Reorders the voxels so that their axes point as nearly along x, y and z as they can: the sum of
+/// the axes' own components is the largest. The axes are right-handed then.
 void vtkPalpateArrangeImage(vtkPalpateImageFile& image);

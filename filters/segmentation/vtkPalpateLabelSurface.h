@@ -14,21 +14,23 @@
 struct vtkPalpateLabelSurface
 {
   vtkPalpateSurface Walls; ///< m
-  /// Of each triangle: the part behind it and the one in front, where its normal points to.
+  /// For each triangle the part behind it and the one in front, where its normal points to.
   std::vector<std::array<int, 2>> Sides;
-  /// Within the walls of each part, m³; that of 0 has no meaning.
+  /// The volume within the walls of each part, m³; the entry of 0 has no meaning.
   std::vector<double> Volumes;
-  /// A place within each region that walls enclose, m, and the part that it is of.
+  /// A place within each region that walls enclose, m, and the part that the region belongs to.
   std::vector<std::pair<vtkPalpatePoint, int>> Inside;
 };
 
-/// Faces of the cubes, then `iterations` of smoothing, in which each point stays within half a cube
-/// of where it was, so that no wall passes the middle of a cube; points where three parts meet move
-/// along the curve of those alone. Then each part is brought to its volume in the image as far as
-/// that bound lets it, and triangles that cross each other are put back. A cube alone within
-/// another part becomes the box that has the volume, place and proportions of its part.
-/// @param parts Of the image. @param cubes Their numbers. @param share Of the way that smoothing
-/// moves a point, 1 is taken; the less, the nearer the walls stay to the cubes.
+/// Takes the faces of the cubes and smooths them in `iterations` steps. Each point stays within
+/// half a cube of its place, so that no wall passes the middle of a cube. Points where three parts
+/// meet move along the curve of such points alone. Then each part is brought to its volume in the
+/// image as far as that bound lets it, and triangles that cross each other are put back. A single
+/// cube within another part becomes a box that has the volume, place and proportions of its part.
+/// @param parts The parts of the image.
+/// @param cubes The numbers of parts in cubes.
+/// @param share The share of each smoothing step that is taken, up to 1; the less, the nearer the
+///   walls stay to the cubes.
 /// @pre The cubes are cubes, or nearly so.
 PALPATESEGMENTATION_EXPORT vtkPalpateLabelSurface vtkPalpateMakeLabelSurface(
   const vtkPalpateLabelGrid& cubes, const vtkPalpateLabelParts& parts, int iterations,

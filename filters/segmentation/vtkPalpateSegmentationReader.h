@@ -3,9 +3,9 @@
  * @class   vtkPalpateSegmentationReader
  * @brief   reads a segmented image with its directions and its segments
  *
- * Of NRRD, MetaImage and NIfTI. Places are in LPS, in the unit of the file. The voxels are put in
- * the order in which their axes point as nearly along x, y and z as they can; what is left of the
- * directions, of an oblique image, is the direction matrix of the output.
+ * It reads NRRD, MetaImage and NIfTI. Places are in LPS, in the unit of the file. The voxels are
+ * reordered so that their axes point as nearly along x, y and z as they can. The remaining
+ * directions of an oblique image are the direction matrix of the output.
  *
  * Output: an image with the point array `Labels` (int), or where there are values that are not
  * whole numbers to within 0.001, `Values` (double). Where the file tells of segments, the field
@@ -41,8 +41,9 @@ public:
   vtkGetCharFromStdStringMacro(FileName);
   ///@}
 
-  ///@{ Which segments are read, by name. Where nothing is said of any, all are; else those that
-  /// nothing is said of are not.
+  ///@{
+  /// Whether the segments are read, by name. If no segment is named, all are read; otherwise
+  /// segments that are not named are not read.
   void AddSegment(const char* name, int isRead);
   void ClearSegments();
   ///@}
@@ -63,13 +64,14 @@ private:
 
   void Read(vtkImageData* output, bool tells);
   bool IsRead(const std::string& segment) const;
-  /// Whether each of them is read.
+  /// Whether each of the segments is read.
   std::vector<char> Choose(const std::vector<vtkPalpateSegment>& segments) const;
 
   std::string FileName;
   std::map<std::string, bool> Chosen; ///< what was said of segments, by name
   vtkNew<vtkDataArraySelection> Segments;
-  /// The executive runs a reader without an image again at each update: one message is enough.
+  /// The last message, which is not repeated: the executive runs a reader without an image again at
+  /// each update.
   std::string Failure;
   vtkMTimeType FailureTime = 0;
 };

@@ -21,8 +21,8 @@ struct vtkPalpateSegment
   std::array<double, 3> Color{}; ///< red, green, blue, from 0 to 1
 };
 
-/// In the order of the file; none where it tells of none.
-/// @throws palpate::InputError a value or a layer that cannot be.
+/// The segments in the order of the file; none if it describes none.
+/// @throws palpate::InputError a value or a layer is not valid.
 std::vector<vtkPalpateSegment> vtkPalpateFindSegments(const vtkPalpateImageHeader& header);
 
 struct vtkPalpateJoinedSegments
@@ -33,13 +33,13 @@ struct vtkPalpateJoinedSegments
   std::size_t Unnamed = 0;         ///< voxels with a value that no segment of the file has
 };
 
-/// One label for each voxel: where chosen segments overlap, that of the last one in the order of
+/// Gives each voxel one label: where chosen segments overlap, that of the last one in the order of
 /// the file.
-/// @param chosen Whether a segment is [number of segments].
-/// @throws palpate::InputError the image holds no whole numbers.
+/// @param chosen Whether each segment is chosen [number of segments].
+/// @throws palpate::InputError the image does not hold whole numbers.
 vtkPalpateJoinedSegments vtkPalpateJoinSegments(const vtkPalpateImageFile& image,
   const std::vector<vtkPalpateSegment>& segments, const std::vector<char>& chosen);
 
-/// The names of labels, as the field arrays of an image that was read so have them; none where
-/// there are no such arrays.
+/// The names of labels, from the field arrays that vtkPalpateSegmentationReader gives an image;
+/// none if there are no such arrays.
 std::map<int, std::string> vtkPalpateNamesOfLabels(vtkFieldData* fields);

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tables of a state-space file, see storage/state_space_file.h. Files of versions 5 to 9 are
-// read too, see versions.h. In version 9 each mode of a basis has a row of its own, in a table
-// "mode". Files of earlier versions have no reduced fields, and so neither "basis" nor "mode". In
-// versions 5 and 6 a table "site" stands in place of "tool_space". The other tables refer to it by
-// the active node, which was the number of a tool space then, and its checksum takes in the columns
-// from active_node on. In version 5 a scene and a tool space have no checksum, summary_checksum
-// does not take in the column checksum, and it takes in the flags without bit 4, as the checksum of
-// an intermediate state does. The checksums of a body that is not the first take in scene_id before
-// all else.
+// The tables of a state-space file, see storage/state_space_file.h.
+//
+// Files of versions 5 to 9 are read too, see versions.h. In version 9 each mode of a basis has a
+// row of its own, in a table "mode". Files of earlier versions have no reduced fields, and so
+// neither "basis" nor "mode". In versions 5 and 6 a table "site" stands in place of "tool_space".
+// The other tables refer to it by the active node, which was the number of a tool space then, and
+// its checksum takes in the columns from active_node on. In version 5 a scene and a tool space have
+// no checksum, summary_checksum does not take in the column checksum, and it takes in the flags
+// without bit 4, as the checksum of an intermediate state does.
+//
+// The checksums of a body that is not the first take in scene_id before all else.
 #pragma once
 
 namespace palpate::storage {

@@ -32,10 +32,12 @@
 // never takes the file, what was merged, or what was there when close() returned; of a file that is
 // being written it may take what was added within a second after the disk was last waited for.
 // close() leaves the single file; the log of a writer that was killed is taken up by the next one
-// that opens the file. One writer at a time. Damage. Every row has a checksum of all its columns.
-// What is damaged is left out, and said: all else is read. A file that somebody else made is
-// trusted in nothing: its tables must be those of schema.sql.h alone, its numbers possible, and no
-// memory is taken for what it merely claims.
+// that opens the file. One writer at a time.
+//
+// Damage. Every row has a checksum of all its columns. Damaged rows are left out and reported; all
+// others are read. A file that somebody else made is not trusted: it may have no other tables than
+// those of schema.sql.h, its numbers must be possible, and no memory is taken for sizes that it
+// merely claims.
 #pragma once
 
 #include <filesystem>
