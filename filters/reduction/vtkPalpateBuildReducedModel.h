@@ -51,8 +51,8 @@ public:
   void ClearActiveNodes();
   ///@}
   ///@{
-  /// Ids of the points that the tools are at in training; as many after each other as there are
-  /// active nodes are a place. None: the tools are trained at the active nodes.
+  /// Ids of the points at which the tools are in training. Each run of as many ids as there are
+  /// active nodes is a training place. None: the tools are trained at the active nodes.
   void AddTrainingPlace(vtkIdType node);
   void ClearTrainingPlaces();
   ///@}
@@ -83,7 +83,7 @@ public:
   vtkGetMacro(Tolerance, double);
   ///@}
   ///@{
-  /// Points at the most, at least 1.
+  /// The largest number of points, at least 1.
   vtkSetMacro(MaximumPoints, int);
   vtkGetMacro(MaximumPoints, int);
   ///@}
@@ -93,7 +93,7 @@ public:
   vtkGetMacro(TrainingPaths, int);
   ///@}
   ///@{
-  /// Of each path, s.
+  /// The duration of each path, s.
   vtkSetMacro(PathDuration, double);
   vtkGetMacro(PathDuration, double);
   ///@}
@@ -103,7 +103,7 @@ public:
   vtkGetMacro(Bandwidth, double);
   ///@}
   ///@{
-  /// Taps of each tool in a second.
+  /// The number of taps of each tool in a second.
   vtkSetMacro(Taps, double);
   vtkGetMacro(Taps, double);
   ///@}
@@ -118,7 +118,7 @@ public:
   vtkGetMacro(TimeStep, double);
   ///@}
   ///@{
-  /// Of all that is random. The same gives the same model.
+  /// The seed of all random numbers. The same seed gives the same model.
   vtkSetMacro(Seed, int);
   vtkGetMacro(Seed, int);
   ///@}
@@ -133,7 +133,8 @@ public:
   vtkGetCharFromStdStringMacro(FileName);
   ///@}
   ///@{
-  /// Of the equilibria, relative, the same as that of a state space in the file.
+  /// The relative tolerance of the equilibria. If the file has a state space, it must be the same
+  /// as that of the space.
   vtkSetMacro(SolverTolerance, double);
   vtkGetMacro(SolverTolerance, double);
   ///@}
@@ -157,13 +158,13 @@ private:
     NumberOfOutputs
   };
 
-  /// @param body On rank 0. @note Collective.
+  /// @param body The body, on rank 0. @note Collective.
   void Build(vtkUnstructuredGrid* body, palpate::Communicator& communicator,
     vtkUnstructuredGrid* output, vtkTable* errors);
 
   std::vector<vtkIdType> ActiveNodes;
   std::vector<vtkIdType> TrainingPlaces;
-  /// What was trained there, without a file.
+  /// The training at places, if there is no file.
   std::unique_ptr<palpate::KeptPlaces> KeptPlaces;
   double TipRadius = 0;
   double Reach = 0.01;

@@ -27,7 +27,7 @@ struct vtkPalpateReducedModel
   /// The displacement at rest [3 number of points], m; read without gravity it is 0, written it may
   /// be empty.
   palpate::NodalVector Rest;
-  /// Of the tools, in their order.
+  /// The active nodes of the tools, in their order.
   std::vector<vtkIdType> ActiveNodes;
 };
 
@@ -35,5 +35,6 @@ struct vtkPalpateReducedModel
 PALPATEREDUCTION_EXPORT void vtkPalpateWriteReducedModel(
   const vtkPalpateReducedModel& model, vtkDataSet* body);
 
-/// @throws palpate::InputError an array that is missing or does not fit, and where it comes from.
+/// @throws palpate::InputError an array is missing or does not fit: the message says where it comes
+///   from.
 PALPATEREDUCTION_EXPORT vtkPalpateReducedModel vtkPalpateReadReducedModel(vtkDataSet* body);

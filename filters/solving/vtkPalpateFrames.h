@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The frames of a motion, in a file without a name in the folder for temporary files (TMPDIR): so a
-// long motion of a large body takes no memory. The file is gone with the object, or the process.
+// The frames of a motion, in a file without a name in the folder for temporary files (TMPDIR), so
+// that a long motion of a large body takes no memory. The file disappears with the object, or with
+// the process.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +11,7 @@
 class vtkPalpateFrames
 {
 public:
-  /// @param size Numbers of a frame.
-  /// @throws palpate::InputError no file can be made.
+  /// @param size The count of numbers in a frame. @throws palpate::InputError no file can be made.
   explicit vtkPalpateFrames(std::size_t size);
   ~vtkPalpateFrames();
   vtkPalpateFrames(const vtkPalpateFrames&) = delete;
@@ -20,7 +20,7 @@ public:
   [[nodiscard]] std::size_t Number() const { return this->Count; }
   /// @throws palpate::InputError the disk is full, or fails.
   void Append(const palpate::NodalVector& frame);
-  /// @param index Below Number(). @throws palpate::InputError the disk fails.
+  /// @param index Must be below Number(). @throws palpate::InputError the disk fails.
   [[nodiscard]] palpate::NodalVector Read(std::size_t index) const;
 
 private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The choice of a linear solver that filters which solve for one body have.
+// The choice of a linear solver, for filters that solve for one body.
 #pragma once
 
 #include <memory>
@@ -17,15 +17,16 @@ class vtkStringArray;
 /// The name of the choice that suits the body.
 inline constexpr const char* vtkPalpateAutomaticSolver = "Automatic";
 
-/// That one, and the solvers that were built in.
+/// The automatic choice, and the solvers that were built in.
 vtkSmartPointer<vtkStringArray> vtkPalpateLinearSolverNames();
 
-/// Whether all of `numRanks` ranks solve for a body, or one of them.
-/// @param name Of the solver. @param groupUnknowns The least body of a group.
+/// Whether all of `numRanks` ranks solve for a body together, or one of them alone.
+/// @param name The name of the solver.
+/// @param groupUnknowns The least number of unknowns for which the ranks solve together.
 bool vtkPalpateSolvesTogether(
   const std::string& name, int groupUnknowns, const palpate::Scene& scene, int numRanks);
 
-/// The solver of one rank; null: there is no factor.
-/// @throws palpate::InputError there is none of that name.
+/// Makes the solver of one rank; null: the system is solved without a factor.
+/// @throws palpate::InputError there is no solver of that name.
 std::unique_ptr<palpate::LinearSolver> vtkPalpateMakeLinearSolver(
   const std::string& name, const palpate::Scene& scene, int threads);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the solves of a body take (equilibrium/solve_cost.h), kept as long as the body stays the
-// same: a person who changes a property shall not wait for it each time.
+// The cost of the solves of a body (equilibrium/solve_cost.h). It is kept as long as the body stays
+// the same, so that a user who changes a property need not wait for a measurement each time.
 #pragma once
 
 #include <memory>

@@ -13,6 +13,6 @@
 
 class vtkDataSetAttributes;
 
-/// @param points Adds a tuple for each of these, as the points of the surface; null: for all.
+/// @param points The points that get a tuple each, such as those of the surface; null: all points.
 PALPATESOLVING_EXPORT void vtkPalpateAddStress(const palpate::StressField& field,
   vtkDataSetAttributes* arrays, const std::vector<palpate::Index>* points = nullptr);

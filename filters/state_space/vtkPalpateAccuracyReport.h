@@ -65,7 +65,7 @@ public:
   vtkGetMacro(TestPoints, int);
   ///@}
   ///@{
-  /// Of the random numbers.
+  /// The seed of the random numbers.
   vtkSetMacro(Seed, int);
   vtkGetMacro(Seed, int);
   ///@}
@@ -96,7 +96,8 @@ public:
   vtkGetMacro(LogInterval, double);
   ///@}
 
-  ///@{ What the filter will take, by its properties and what its input is now.
+  ///@{
+  /// The expected cost of the filter, by its properties and its present input.
   /// @note Collective.
   void UpdateEstimate();
   vtkGetCharFromStdStringMacro(Estimate);
@@ -124,7 +125,8 @@ private:
   std::string Estimate;
   vtkPalpateSolveCost Cost;
 
-  /// The last complete result and what it is of, as in vtkPalpatePrecomputeStateSpace.
+  /// The last complete result and the input that it belongs to, as in
+  /// vtkPalpatePrecomputeStateSpace.
   std::string LastOf;
   vtkNew<vtkTable> LastRows;
   vtkNew<vtkPolyData> LastPoints;

@@ -104,7 +104,8 @@ public:
   vtkGetVector3Macro(BeginAt, double);
   ///@}
   ///@{
-  /// The space of a rigid tool is refused if more are to be expected.
+  /// The largest number of configurations: the space of a rigid tool is refused if more are
+  /// expected.
   vtkSetMacro(MaximumConfigurations, int);
   vtkGetMacro(MaximumConfigurations, int);
   ///@}
@@ -230,14 +231,15 @@ public:
   vtkGetMacro(DisplacementBound, double);
   ///@}
 
-  ///@{ What the filter will take, by its properties and what its input is now.
+  ///@{
+  /// The expected cost of the filter, by its properties and its present input.
   /// @note Collective.
   void UpdateEstimate();
   vtkGetCharFromStdStringMacro(Estimate);
   ///@}
 
-  /// Whether the space grows on; then the next update goes on, on all ranks. ParaView's window asks
-  /// rank 0 now and then (the hint LiveSource).
+  /// Whether the space will grow further. Then the next update continues its exploration, on all
+  /// ranks. ParaView's window asks rank 0 now and then (the hint LiveSource).
   bool GetNeedsUpdate();
 
 protected:
@@ -291,15 +293,16 @@ private:
   std::string Estimate;
   vtkPalpateSolveCost Cost;
 
-  /// When the last execution ended.
+  /// The time at which the last execution ended.
   std::chrono::steady_clock::time_point LastEnd;
 
   /// The exploration of a space that grows, from one execution to the next.
   struct Growth;
   std::unique_ptr<Growth> Kept;
 
-  /// The last complete result and what it is of: the filter is also run again where a filter before
-  /// it was, though it gave the same body, as when another view of that body asks for ghost cells.
+  /// The last complete result and the input that it belongs to. The filter is also run again if a
+  /// filter before it ran again but gave the same body, for example because another view of that
+  /// body asks for ghost cells.
   std::string LastOf;
   vtkNew<vtkPartitionedDataSetCollection> Last;
 };

@@ -60,8 +60,8 @@ class vtkFieldData;
 class vtkMultiProcessController;
 class vtkPartitionedDataSetCollection;
 
-/// Names the blocks of an empty collection, as every rank needs them: three, and a fourth one for
-/// intermediate states.
+/// Names the blocks of an empty collection, which must be the same on every rank: three, and a
+/// fourth one for intermediate states.
 PALPATESTATESPACE_EXPORT void vtkPalpateNameBlocks(
   vtkPartitionedDataSetCollection* output, bool hasIntermediateStates);
 
@@ -77,20 +77,21 @@ PALPATESTATESPACE_EXPORT void vtkPalpateFillCollection(
 PALPATESTATESPACE_EXPORT void vtkPalpateAddFile(
   const std::string& fileName, bool complete, vtkFieldData* fields);
 
-/// Adds the field array `LeftOut`: what is damaged in the file, and so is missing here.
+/// Adds the field array `LeftOut`: the names of the parts that are damaged in the file, and so are
+/// missing here.
 PALPATESTATESPACE_EXPORT void vtkPalpateAddLeftOut(
   const std::vector<std::string>& leftOut, vtkFieldData* fields);
 
-/// What this rank has of `Body`: the partitions with points.
+/// The part of `Body` that this rank has: the partitions with points.
 PALPATESTATESPACE_EXPORT vtkPalpatePieces vtkPalpateBody(
   vtkPartitionedDataSetCollection* collection);
 
-/// What this rank has of `Configurations`: the partitions with points.
+/// The part of `Configurations` that this rank has: the partitions with points.
 PALPATESTATESPACE_EXPORT std::vector<vtkSmartPointer<vtkDataSet>> vtkPalpateConfigurations(
   vtkPartitionedDataSetCollection* collection);
 
-/// A space from a collection whose blocks may lie on any rank, in any number of partitions; whole
-/// on rank 0, empty elsewhere.
+/// Makes a space from a collection whose blocks may lie on any rank, in any number of partitions.
+/// The result is whole on rank 0, and empty on the others.
 /// @note Collective.
 /// @throws palpate::InputError on rank 0: a block or an array is missing or has another size, or
 /// partitions belong to different spaces.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a state space is as data: the names of its blocks and arrays, and what is in them. The list
+// The names of the blocks and arrays of a state space as VTK's data, and their contents. The list
 // is at the head of vtkPalpateStateSpace.h.
 #pragma once
 
@@ -15,7 +15,8 @@ constexpr const char* ThirdDerivative = "ThirdDerivative";
 constexpr const char* FileName = "FileName";
 constexpr const char* LevelsReached = "LevelsReached";
 
-/// The array of the modes of an active node: one has no other beside it.
+/// The name of the array of an active node's modes. If there is only one active node, the name has
+/// no number.
 inline std::string ModesName(bool isOnly, palpate::Index node)
 {
   return isOnly ? "Modes" : "Modes " + std::to_string(node);
@@ -59,7 +60,7 @@ void ForEachDoubleArrayOfStates(Visit&& visit)
   visit("Seconds", 1, [](auto& s) { return &s.seconds; });
 }
 
-/// The same for those that are integers.
+/// The same for the figures that are integers.
 template <class Visit>
 void ForEachIntArrayOfStates(Visit&& visit)
 {
@@ -68,8 +69,9 @@ void ForEachIntArrayOfStates(Visit&& visit)
   visit("Flags", 1, [](auto& s) { return &s.flags; });
 }
 
-/// Calls visit(name, value) for each field array that has a value for each tool space, but for the
-/// active nodes themselves. @tparam ToolSpaceSetup palpate::ToolSpaceSetup, or const.
+/// Calls visit(name, value) for each field array that has a value for each tool space, except for
+/// the active nodes themselves.
+/// @tparam ToolSpaceSetup palpate::ToolSpaceSetup, or const.
 template <class ToolSpaceSetup, class Visit>
 void VisitSetup(ToolSpaceSetup&& setup, Visit&& visit)
 {
@@ -85,7 +87,7 @@ void VisitSetup(ToolSpaceSetup&& setup, Visit&& visit)
   visit("ThirdDerivatives", setup.policy.third_derivatives);
 }
 
-/// The same for those that a space has only where its tool is rigid.
+/// The same for the field arrays that a space has only if its tool is rigid.
 template <class ToolSpaceSetup, class Visit>
 void VisitContact(ToolSpaceSetup&& setup, Visit&& visit)
 {
@@ -104,9 +106,9 @@ void VisitContact(ToolSpaceSetup&& setup, Visit&& visit)
   visit("Depth", setup.policy.depth);
 }
 
-/// Spaces that were saved before there was an offset have none.
+/// The name of the array of offsets, which spaces of earlier versions do not have.
 constexpr const char* ContactOffset = "ContactOffset";
-/// Field arrays of the tool's surface, where it is one.
+/// The names of the field arrays of the tool's surface, if the tool is one.
 constexpr const char* ToolPoints = "ToolPoints";
 constexpr const char* ToolTriangles = "ToolTriangles";
 }

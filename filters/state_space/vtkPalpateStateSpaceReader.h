@@ -4,13 +4,13 @@
  * @brief reads a state space from a .palpate file
  *
  * Output: as vtkPalpatePrecomputeStateSpace gives it, without the figures of the run but `FileName`
- * and `Complete`. The file may be one that is not complete. What is damaged in it is left out, with
- * a warning, and named in the field array `LeftOut`. Under MPI the result is whole on rank 0 and
- * empty elsewhere.
+ * and `Complete`. The file need not be complete. Damaged parts are left out, with a warning, and
+ * are named in the field array `LeftOut`. Under MPI the result is whole on rank 0 and empty
+ * elsewhere.
  *
- * A space that is not complete grows with its file: once that is another one, in ParaView's window
- * it is read again, see GetNeedsUpdate(). Whoever hands out a space as it is found puts a whole
- * file in place of the one before.
+ * A space that is not complete grows with its file: once the file has changed, ParaView's window
+ * reads it again, see GetNeedsUpdate(). A program that gives out a growing space replaces the file
+ * by a whole new one each time.
  */
 #pragma once
 
@@ -39,8 +39,9 @@ public:
   vtkGetMacro(DisplacementBound, double);
   ///@}
 
-  /// Whether there is more in the file than was read, and nobody writes to it; then the next update
-  /// reads it, on all ranks. ParaView's window asks rank 0 now and then (the hint LiveSource).
+  /// Whether there is more in the file than was read, and nobody is writing to it. Then the next
+  /// update reads it, on all ranks. ParaView's window asks rank 0 now and then (the hint
+  /// LiveSource).
   bool GetNeedsUpdate();
 
 protected:
@@ -56,6 +57,6 @@ private:
   std::string FileName;
   double DisplacementBound = 1e-3;
 
-  /// When the file was written that was read last.
+  /// The time at which the file that was read last had been written.
   std::filesystem::file_time_type Written;
 };

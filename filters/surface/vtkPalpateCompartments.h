@@ -19,18 +19,17 @@ struct vtkPalpateCompartments
   static constexpr int Outside = 0; ///< the compartment around all
   static constexpr int Empty = -1;  ///< the region of one that holds no tissue
 
-  /// Of each triangle the compartments behind it and in front of it, where its normal points to.
+  /// For each triangle the compartments behind it and in front of it, where its normal points to.
   std::vector<std::array<int, 2>> Sides;
-  /// Of each compartment, m³: of what its outer boundary encloses, less what lies within. That of
-  /// the outside is 0.
+  /// The volume of each compartment, m³: that of the space within its outer boundary, without the
+  /// compartments inside. That of the outside is 0.
   std::vector<double> Volume;
-  /// Of each compartment: its tissue, or where nobody says a number of its own, in the order of the
+  /// The tissue of each compartment, or without tissues a number of its own, in the order of the
   /// surfaces; Empty for a cavity and the outside.
   std::vector<int> Region;
-  /// Of each compartment: which of the parts of the walls that hang together encloses it; of the
-  /// outside −1.
+  /// The connected part of the walls that encloses each compartment; −1 for the outside.
   std::vector<int> Part;
-  /// The walls of each compartment that enclose it, its own without those of what lies within, with
+  /// The walls that enclose each compartment, without those of the compartments inside it, with
   /// normals outwards. That of the outside is empty.
   std::vector<vtkPalpateSurface> Boundary;
 
@@ -41,29 +40,28 @@ struct vtkPalpateCompartments
     std::array<int, 2> Tissues;
   };
   std::vector<Overlap> Overlaps;
-  /// Compartments of which the walls name several tissues, none of them all of it: the one with the
-  /// largest share has it.
+  /// Compartments whose walls name several tissues, where no tissue has all of the walls. The
+  /// tissue with the largest share has the compartment.
   std::vector<int> Doubtful;
-  /// Edges at which tissues hang together by the edge alone: more than two walls around it have
-  /// tissue on one side only.
+  /// Edges at which tissues are connected by the edge alone: more than two walls around the edge
+  /// have tissue on one side only.
   std::vector<std::array<vtkIdType, 2>> Hinges;
 
   int Count() const { return static_cast<int>(Volume.size()); }
 };
 
-/// A compartment is a cavity where all walls around it have their normals into it, seen from a
-/// surface with normals outwards, and no wall of it borders the outside or another cavity. Whether
-/// the normals of a surface point outwards as a whole is of no account.
-/// @pre No triangle is without an area. Where walls cross each other or have open edges,
-/// compartments run together.
+/// Finds the compartments. A compartment is a cavity if the normals of all walls around it point
+/// into it, with respect to a surface with normals outwards, and none of its walls borders the
+/// outside or another cavity. It does not matter whether the normals of a surface as a whole point
+/// outwards. Where walls cross each other or have open edges, compartments are joined.
+/// @pre No triangle is without an area.
 PALPATESURFACE_EXPORT vtkPalpateCompartments vtkPalpateFindCompartments(
   const vtkPalpateWalls& walls);
 
-/// The compartment that a point is in.
-/// @pre It is none of the points near a wall.
+/// The compartment that a point is in. @pre The point is not near a wall.
 PALPATESURFACE_EXPORT int vtkPalpateCompartmentOf(
   const vtkPalpateCompartments& compartments, const vtkPalpatePoint& x);
 
-/// The middle of a compartment's boundary, m: where to look for it.
+/// The middle of a compartment's boundary, m, by which a message says where it is.
 PALPATESURFACE_EXPORT vtkPalpatePoint vtkPalpateMiddleOf(
   const vtkPalpateCompartments& compartments, int compartment);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Signs of the orientation determinants, always right. A floating-point determinant whose sign is
-// certain is taken as it is; else it is evaluated without rounding as a sum of doubles that do not
-// overlap (J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
-// Predicates, 1997, theorems 7, 10, 18 and the bound A).
+// Signs of the orientation determinants, always right. If the sign of the floating-point
+// determinant is certain, it is taken; otherwise the determinant is evaluated without rounding as a
+// sum of doubles that do not overlap (J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic
+// and Fast Robust Geometric Predicates, 1997, theorems 7, 10, 18 and the bound A).
 #pragma once
 
 #include <array>

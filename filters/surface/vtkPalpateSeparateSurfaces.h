@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which triangles are one surface.
+// Divides triangles into separate surfaces.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,8 @@
 #include "PalpateSurfaceModule.h"
 #include "vtkPalpateSurface.h"
 
-/// The surface that each triangle belongs to, numbered by their first triangles: those of one
-/// tissue are one surface, or where nobody says those that hang together in the input.
+/// The number of the surface that each triangle belongs to, in the order of the surfaces' first
+/// triangles. The triangles of one tissue are one surface; without tissues, those that are
+/// connected in the input.
 PALPATESURFACE_EXPORT std::vector<int> vtkPalpateSeparateSurfaces(
   const vtkPalpateSurface& surfaces);

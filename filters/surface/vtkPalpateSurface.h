@@ -16,13 +16,13 @@ struct vtkPalpateSurface
 {
   std::vector<vtkPalpatePoint> Points;             ///< coordinates, m
   std::vector<std::array<vtkIdType, 3>> Triangles; ///< indices into Points
-  /// Of each triangle the number of the tissue that it bounds; empty where nobody says.
+  /// The number of the tissue that each triangle bounds; empty if there are no tissues.
   std::vector<int> Tissues;
-  /// Of each triangle the part of the input whose polygons have points in common; empty after the
-  /// first change.
+  /// The part of the input that each triangle comes from, where polygons with common points are one
+  /// part; empty after the first change.
   std::vector<int> Parts;
 
-  /// A side of a triangle, Low < High; Forward where the triangle runs through it from Low to High.
+  /// A side of a triangle, Low < High; Forward if the triangle goes along it from Low to High.
   struct Side
   {
     vtkIdType Low, High, Triangle;
@@ -31,13 +31,14 @@ struct vtkPalpateSurface
   };
 };
 
-/// Points closer to each other than this fraction of the diagonal of the surface's bounding box are
-/// one: larger than the rounding of a coordinate in single precision, smaller than any feature.
+/// Points that are closer to each other than this fraction of the diagonal of the surface's
+/// bounding box become one. The fraction is larger than the rounding of a coordinate in single
+/// precision, and smaller than any feature.
 constexpr double vtkPalpateMergeTolerance = 1e-7;
 /// A triangle whose least height is below this fraction of the same diagonal has no area.
 constexpr double vtkPalpateHeightTolerance = 1e-9;
 
-/// Not normalised: its length is twice the area, m².
+/// The normal of a triangle, not normalised: its length is twice the area, m².
 PALPATESURFACE_EXPORT vtkPalpatePoint vtkPalpateNormal(
   const vtkPalpatePoint& a, const vtkPalpatePoint& b, const vtkPalpatePoint& c);
 
@@ -65,19 +66,20 @@ PALPATESURFACE_EXPORT std::vector<vtkIdType> vtkPalpateFlatTriangles(
 /// The given triangles alone, with the points that they use.
 PALPATESURFACE_EXPORT vtkPalpateSurface vtkPalpateSubset(
   const vtkPalpateSurface& surface, const std::vector<vtkIdType>& triangles);
-/// Both, without merging points.
+/// Appends a surface to another, without merging points.
 PALPATESURFACE_EXPORT void vtkPalpateAppend(
   vtkPalpateSurface& surface, const vtkPalpateSurface& other);
 
-/// Triangles of all polygons and strips (vertices and lines are left aside), equal points merged,
-/// points that nothing uses and triangles without an area removed.
-/// @throws palpate::InputError where there is no triangle or a coordinate is not finite.
+/// The triangles of all polygons and strips, without vertices and lines. Equal points are merged,
+/// and unused points and triangles without an area are removed.
+/// @throws palpate::InputError there is no triangle, or a coordinate is not finite.
 PALPATESURFACE_EXPORT vtkPalpateSurface vtkPalpateSurfaceFromPolyData(vtkPolyData* input);
 
 /// The name of the cell array (int) that holds the tissues of a surface.
 constexpr const char* vtkPalpateTissueArray = "PalpateTissue";
-/// The same, but triangles on the same points and such without an area stay: walls that two tissues
-/// share are there twice. `Tissues` is the cell array vtkPalpateTissueArray, if there is one.
+/// The same, but triangles on the same points and those without an area are kept: walls that two
+/// tissues share are there twice. `Tissues` is the cell array vtkPalpateTissueArray, if there is
+/// one.
 PALPATESURFACE_EXPORT vtkPalpateSurface vtkPalpateTissuesFromPolyData(vtkPolyData* input);
 PALPATESURFACE_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateSurfaceToPolyData(
   const vtkPalpateSurface& surface);

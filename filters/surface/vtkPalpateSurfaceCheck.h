@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What keeps a surface from being the boundary of a body: counted and located.
+// Counts and locates the faults that keep a surface from being the boundary of a body.
 #pragma once
 
 #include <string>
@@ -42,8 +42,8 @@ struct vtkPalpateSurfaceFaults
 PALPATESURFACE_EXPORT vtkPalpateSurfaceFaults vtkPalpateCheckSurface(
   const vtkPalpateSurface& surface);
 
-/// The same of walls that regions share: any number of them may meet at an edge, unless tissue
-/// hangs together there by the edge alone.
+/// The same for walls that regions share. Any number of walls may meet at an edge, unless tissue is
+/// connected there by the edge alone.
 PALPATESURFACE_EXPORT vtkPalpateSurfaceFaults vtkPalpateCheckWalls(
   const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments);
 
@@ -52,8 +52,8 @@ PALPATESURFACE_EXPORT vtkPalpateSurfaceFaults vtkPalpateCheckWalls(
 PALPATESURFACE_EXPORT std::string vtkPalpateDescribeFaults(
   const vtkPalpateSurface& surface, const vtkPalpateSurfaceFaults& faults);
 
-/// The faults to look at: a line an edge, a triangle a triangle; the cell array `SurfaceFault`
-/// holds the kind, the field arrays `FaultName` and `FaultCount` say for each kind what it is and
-/// how many there are (of triangles that cross each other: the pairs).
+/// The faults as data to be shown: a line for each edge, a triangle for each triangle; the cell
+/// array `SurfaceFault` holds the kind, the field arrays `FaultName` and `FaultCount` say for each
+/// kind what it is and how many there are (of triangles that cross each other: the pairs).
 PALPATESURFACE_EXPORT void vtkPalpateFaultsToPolyData(
   const vtkPalpateSurface& surface, const vtkPalpateSurfaceFaults& faults, vtkPolyData* output);

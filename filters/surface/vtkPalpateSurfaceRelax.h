@@ -6,8 +6,8 @@
 #include "PalpateSurfaceModule.h"
 #include "vtkPalpateSurface.h"
 
-/// Rounds of: turn each edge between nearly coplanar triangles that is not Delaunay; draw each
-/// point to the mean of its neighbours and put it back onto `shape`.
+/// In each round, turns the edges between nearly coplanar triangles that are not Delaunay, then
+/// moves each point towards the mean of its neighbours and puts it back onto `shape`.
 /// @pre Each edge has two triangles that agree. The result may cross itself where the shape is
 /// thin against the triangles: check it.
 PALPATESURFACE_EXPORT void vtkPalpateRelaxSurface(

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes a closed, consistently oriented surface without self-intersections of one that is not.
-// First what leaves every good triangle in place: triangles that lie on each other are removed
-// where they are no wall between two regions, normals made to agree, holes filled. Parts of the
-// surface where that is not enough are sampled anew (vtkPalpateSurfaceResample.h); the others stay
-// as they are. Sampling anew knows an inside and an outside alone: regions that share walls are
-// refused.
+// Makes a closed, consistently oriented surface without self-intersections from a faulty one. The
+// first steps leave every good triangle in place: triangles that lie on each other are removed
+// unless they are a wall between two regions, normals are made to agree, and holes are filled.
+// Parts of the surface where that is not enough are sampled anew (vtkPalpateSurfaceResample.h); the
+// others stay as they are. Sampling anew only tells inside from outside, so that regions which
+// share walls are refused.
 #pragma once
 
 #include <string>
@@ -28,8 +28,9 @@ struct vtkPalpateRepairedSurface
   std::string Lost;       ///< which regions were joined or dropped, for a person; else empty
 };
 
-/// @param surface May have tissues, whose shared walls are there once or twice; so has the result.
-/// @throws palpate::InputError where no closed surface can be made, or where that would join
-/// tissues that share walls or have numbers.
+/// @param surface It may have tissues, whose shared walls are there once or twice; the result has
+///   them too.
+/// @throws palpate::InputError no closed surface can be made, or it would join tissues that share
+///   walls or have numbers.
 PALPATESURFACE_EXPORT vtkPalpateRepairedSurface vtkPalpateRepairSurface(
   const vtkPalpateSurface& surface, const vtkPalpateRepairOptions& options);

@@ -2,10 +2,10 @@
 // A clean closed surface of the same shape as a broken one: the zero level of the signed distance,
 // sampled on a grid.
 //
-// The distance is that to the nearest triangle. The sign is that of the winding number against 1/2,
-// so that what the surface covers twice, where it crosses itself, is inside and what it turns
-// inside out there is outside. The winding number is counted along the grid lines of the three axes
-// and averaged: for a closed surface all agree; holes and gaps are outvoted.
+// The distance is that to the nearest triangle. The sign is that of the winding number less 1/2. So
+// where the surface crosses itself, space that it covers twice is inside, and space that it turns
+// inside out is outside. The winding number is counted along the grid lines of the three axes and
+// averaged: for a closed surface all agree, and near a hole or gap the majority decides.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 #include "PalpateSurfaceModule.h"
 #include "vtkPalpateSurface.h"
 
-/// Takes the finished fraction, 0 to 1; may throw to stop the work.
+/// A function that receives the finished fraction, 0 to 1. It may throw to stop the work.
 using vtkPalpateShareDone = std::function<void(double)>;
 
 struct vtkPalpateResampleOptions
@@ -23,7 +23,8 @@ struct vtkPalpateResampleOptions
   vtkPalpateShareDone Progress; ///< may be empty
 };
 
-/// Consistently oriented surface, normals outwards, without specks smaller than a grid cell. It
-/// crosses itself nowhere. May be empty: where the surface encloses nothing that the grid sees.
+/// Makes a consistently oriented surface with normals outwards, without pieces that are smaller
+/// than a grid cell. It does not cross itself. It is empty if the surface encloses nothing that the
+/// grid resolves.
 PALPATESURFACE_EXPORT vtkPalpateSurface vtkPalpateResampleSurface(
   const vtkPalpateSurface& surface, const vtkPalpateResampleOptions& options);

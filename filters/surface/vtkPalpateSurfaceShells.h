@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The parts of a surface that hang together, the sense of their triangles, and what they enclose.
+// The connected parts of a surface, the orientation of their triangles, and the space that they
+// enclose.
 #pragma once
 
 #include <vector>
@@ -7,12 +8,14 @@
 #include "PalpateSurfaceModule.h"
 #include "vtkPalpateSurface.h"
 
-/// Parts whose triangles hang together by edges, numbered by their first triangle.
+/// The part of each triangle, where triangles that share an edge are in one part. Parts are
+/// numbered in the order of their first triangles.
 PALPATESURFACE_EXPORT std::vector<int> vtkPalpateConnectedParts(
   const vtkPalpateSurface& surface, int& count);
 
-/// Turns triangles about so that those which share an edge agree; within each part the majority
-/// stays as it is. @returns how many were turned.
+/// Reverses triangles so that those which share an edge agree; within each part the majority stays
+/// as it is.
+/// @returns The number of reversed triangles.
 PALPATESURFACE_EXPORT vtkIdType vtkPalpateMakeConsistent(vtkPalpateSurface& surface);
 
 /// How often the surface winds around x: 1 inside a closed surface with outward normals, -1 with

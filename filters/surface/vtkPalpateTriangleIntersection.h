@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Triangles of a surface that meet where they should not.
+// Finds triangles of a surface that intersect.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 #include "vtkPalpateSurface.h"
 
 /// Whether two different triangles of the surface have a point in common besides the corners and
-/// the edge that they share. Touching counts: a mesher can follow neither. Exact; the triangles
-/// must have an area.
+/// the edge that they share. Touching counts too, since a mesher can handle neither. The result is
+/// exact; the triangles must have an area.
 PALPATESURFACE_EXPORT bool vtkPalpateTrianglesIntersect(
   const vtkPalpateSurface& surface, vtkIdType first, vtkIdType second);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The walls between tissues: each is there once, however often the surfaces of its tissues have it.
+// The walls between tissues. Each wall is there once, even if the surfaces of both its tissues have
+// it.
 #pragma once
 
 #include <vector>
@@ -22,6 +23,6 @@ struct vtkPalpateWalls
   std::vector<Copy> Copies;  ///< by triangle, ascending
 };
 
-/// Triangles on the same three points become one. A triangle without an area gives the corner that
-/// lies on its longest side to all others there.
+/// Unites triangles on the same three points to one. A triangle without an area is removed, and all
+/// other triangles at its longest side get the corner that lies on this side.
 PALPATESURFACE_EXPORT vtkPalpateWalls vtkPalpateUniteWalls(const vtkPalpateSurface& surfaces);

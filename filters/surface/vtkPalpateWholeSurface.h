@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A surface under MPI: each rank has a piece of it. The filters of ours work on the whole.
+// A surface under MPI: each rank has a piece of it, but our filters work on the whole.
 #pragma once
 
 #include <string>
@@ -14,7 +14,8 @@ class vtkPolyData;
 
 /// The points, polygons and strips of all ranks, without arrays and without what other ranks own,
 /// on rank 0; null on the others.
-/// @param piece What this rank has of it; null: nothing. @param controller The ranks; null: one.
+/// @param piece The piece that this rank has; null: it has none.
+/// @param controller The ranks; null: one.
 /// @note Collective.
 PALPATESURFACE_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateGatherSurface(
   vtkPolyData* piece, vtkMultiProcessController* controller);
@@ -22,7 +23,8 @@ PALPATESURFACE_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateGatherSurface(
 /// The surfaces of several tissues as one.
 struct vtkPalpateTissueSurfaces
 {
-  /// Has the cell array vtkPalpateTissueArray with indices into the following, where there are any.
+  /// All surfaces in one. If there are tissues, it has the cell array vtkPalpateTissueArray with
+  /// indices into the following lists.
   vtkSmartPointer<vtkPolyData> Surface;
   std::vector<int> Numbers;       ///< of the tissues, as the user sees them
   std::vector<std::string> Names; ///< of the tissues; empty where they have none
@@ -36,14 +38,13 @@ struct vtkPalpateTissueSurfaces
 /// @param array A cell array of a single surface with a whole number for each triangle;
 /// "Automatic": `Region`, where there is one; "None": none.
 /// @param controller The ranks; null: one.
-/// @throws palpate::InputError on rank 0: a block is no surface, or the array is not there or holds
-/// something else.
+/// @throws palpate::InputError on rank 0: a block is no surface, the array is missing, or it does
+///   not hold whole numbers for the triangles.
 /// @note Collective.
 PALPATESURFACE_EXPORT vtkPalpateTissueSurfaces vtkPalpateGatherTissues(
   const std::vector<vtkDataObject*>& inputs, const std::string& array,
   vtkMultiProcessController* controller);
 
-/// The surface of rank 0, on every rank.
-/// @param surface What rank 0 has. @note Collective.
+/// The surface of rank 0, on every rank. @param surface The surface, on rank 0. @note Collective.
 PALPATESURFACE_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateShareSurface(
   vtkPolyData* surface, vtkMultiProcessController* controller);

@@ -15,8 +15,8 @@
  *
  * with the field arrays `Time` (s), `Contact` (numbers of palpate::ContactStatus) and `Found` (of
  * palpate::Support). A tick in which several active nodes were moved shows their weighted mean, as
- * the loop felt it. Branches are not recorded: the body is on that which it comes to on a straight
- * way from rest.
+ * the loop felt it. Branches are not recorded: the body is shown on the branch that it reaches on a
+ * straight way from rest.
  *
  * Under MPI the result is whole on rank 0 and empty elsewhere.
  */
@@ -69,7 +69,7 @@ private:
 
   struct Replay;
 
-  /// s from the first tick; none where FrameRate makes far too many.
+  /// The times to be shown, s from the first tick; none if FrameRate gives far too many.
   [[nodiscard]] std::vector<double> TimesToShow() const;
 
   std::string FileName;

@@ -72,7 +72,7 @@ private:
     NumberOfOutputs
   };
 
-  /// What was simulated, on the rank that has the body.
+  /// The simulated motion, on the rank that has the body.
   struct Run;
 
   void Simulate(vtkUnstructuredGrid* body, vtkTable* paths, Run& run);

@@ -8,7 +8,7 @@
  * Output: the surface of the body, displaced by u = (Φ, L) y (see reduced/reduced_model.h), with
  * the point array `Displacement` (m) and normals. The whole of it is on rank 0.
  *
- * What does not change with the coordinates is kept from one update to the next.
+ * Everything that does not change with the coordinates is kept from one update to the next.
  */
 #pragma once
 
@@ -47,6 +47,6 @@ private:
   void Show(vtkPolyData* output) const;
 
   std::vector<double> Coordinates;
-  /// Made anew when the input changes.
+  /// The parts that depend on the input alone; they are made anew when the input changes.
   std::unique_ptr<Prepared> Cache;
 };

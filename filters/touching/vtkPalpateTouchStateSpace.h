@@ -31,13 +31,13 @@
  * displacement of the whole body from the file of the space, as far as it is needed where the node
  * is; where that fails, an error tells why, once, and what depends on it is left out.
  *
- * In a space with levels it counts how the body came there: the node moves straight from rest to
- * StartDisplacement and straight on to Displacement, and the body jumps from branch to branch where
- * it has to. Or the branch is given, at the start (StartBranch) or at the end (Branch). The output
- * depends on the input and on the properties alone, not on earlier executions.
+ * In a space with levels the result depends on the way of the body: the node moves straight from
+ * rest to StartDisplacement and straight on to Displacement, and the body jumps from branch to
+ * branch where it has to. Or the branch is given, at the start (StartBranch) or at the end
+ * (Branch). The output depends on the input and on the properties alone, not on earlier executions.
  *
- * What does not depend on the displacement is kept from one execution to the next. Under MPI the
- * result is whole on rank 0 and empty elsewhere.
+ * Everything that does not depend on the displacement is kept from one execution to the next. Under
+ * MPI the result is whole on rank 0 and empty elsewhere.
  */
 #pragma once
 
@@ -133,15 +133,16 @@ private:
   struct Prepared;
 
   /// Fills the outputs, on the rank that has the space.
-  /// @returns Whether all that was asked for is there. Where the inside of the body is not, an
-  /// error says why, and the surface is there without.
+  /// @returns Whether all that was asked for is there. If the inside of the body cannot be found,
+  ///   an error says why, and the surface is filled without it.
   bool Touch(vtkPolyData* output, vtkUnstructuredGrid* wholeBody);
   /// The displacement of the whole body, on the rank that has the space.
-  /// @param interpolator Of the force there.
+  /// @param interpolator The interpolator of the force at this place.
   void FindWholeBody(const palpate::TouchToolSpace& toolSpace,
     const palpate::Interpolator& interpolator, const double t[3]);
-  /// What follows from it: contact, stress and the second output.
-  /// @param touch What was found at t.
+  /// Adds what follows from the displacement of the whole body: contact, stress and the second
+  /// output.
+  /// @param touch The result of interpolation at t.
   void AddWholeBody(const double t[3], const palpate::TouchResult& touch, vtkPolyData* surface,
     vtkUnstructuredGrid* body);
 
