@@ -23,6 +23,6 @@ struct vtkPalpateWalls
   std::vector<Copy> Copies;  ///< by triangle, ascending
 };
 
-/// Unites triangles on the same three points to one. A triangle without an area is removed, and all
-/// other triangles at its longest side get the corner that lies on this side.
+/// Unites triangles on the same three points to one. A triangle without an area is removed, and the
+/// other triangles at its longest side are split at the corner that lies on this side.
 PALPATESURFACE_EXPORT vtkPalpateWalls vtkPalpateUniteWalls(const vtkPalpateSurface& surfaces);
