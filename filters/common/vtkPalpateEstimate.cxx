@@ -10,10 +10,10 @@
 
 namespace
 {
-/// Of a tetrahedron, as TetGen's meshes of organs have them.
+/// The points for each tetrahedron in TetGen's meshes of organs, for linear and quadratic ones.
 constexpr double PointsOfLinear = 0.25;
 constexpr double PointsOfQuadratic = 1.65;
-/// Of one in palpate-tetgen and in the filter, bytes, and s on one core.
+/// The cost of a tetrahedron in palpate-tetgen and in the filter: bytes, and s on one core.
 constexpr double BytesOfTetrahedron = 1200;
 constexpr double SecondsOfTetrahedron = 1e-5;
 

@@ -20,7 +20,7 @@
 
 namespace
 {
-/// Of the mark, for those who look at the data.
+/// The name of the mark, for whoever looks at the data.
 constexpr const char* Name = "Error";
 
 /// Made when the library is loaded: a process finds the key of data that it receives by its name.
@@ -99,7 +99,7 @@ unsigned long vtkPalpateProduce(vtkObject* self, vtkDataObject* output,
       catch (const std::exception& exception)
       {
         error = std::current_exception();
-        // Without the memory for a mark the ranks agree all the same.
+        // The ranks must agree even if there is not enough memory for a mark.
         vtkPalpateGuard(nullptr, [&] { vtkPalpateMarkFailed(output, exception.what()); });
       }
       catch (...)

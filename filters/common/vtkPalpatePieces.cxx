@@ -73,7 +73,7 @@ vtkPalpatePieces vtkPalpateGatherPieces(
     return pieces;
   }
   const bool isFirst = controller->GetLocalProcessId() == 0;
-  // Those of rank 0 are where they shall be.
+  // The pieces of rank 0 are already there.
   const int mine = isFirst ? 0 : static_cast<int>(pieces.size());
   int most = 0;
   controller->AllReduce(&mine, &most, 1, vtkCommunicator::MAX_OP);
@@ -177,7 +177,7 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateJoin(
     { static_cast<vtkDataSetAttributes*>(joined->GetPointData()),
       static_cast<vtkDataSetAttributes*>(joined->GetCellData()) })
   {
-    // What was left out is told by it.
+    // This array says which points and cells were left out.
     attributes->RemoveArray(vtkDataSetAttributes::GhostArrayName());
   }
   return joined;

@@ -28,7 +28,8 @@ std::string SystemError(const std::string& what, int code)
   return what + ": " + std::strerror(code) + ".";
 }
 
-/// A started program, killed with all that it started unless it has ended.
+/// A started program. The destructor kills it, with all processes that it has started, unless it
+/// has ended.
 class Child
 {
 public:
@@ -49,7 +50,7 @@ public:
     {
       posix_spawn_file_actions_adddup2(&actions, file->Descriptor(), descriptor++);
     }
-    // Sockets of MPI and of the display are none of its business.
+    // The program must not inherit the sockets of MPI and of the display.
     posix_spawn_file_actions_addclosefrom_np(&actions, descriptor);
 
     // A process group of its own, so that it can be killed with its children; signals as they come.
@@ -88,7 +89,7 @@ public:
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Whether it has ended; then `status` is as waitpid gives it.
+  /// Whether the program has ended. Then `status` is the one that waitpid gives.
   bool Ended(int& status)
   {
     const pid_t result = waitpid(Id, &status, WNOHANG);

@@ -12,7 +12,7 @@
 
 namespace
 {
-/// Progress is told this often at the most, s: each time ParaView handles its events.
+/// The least time between two reports of progress, s, since ParaView handles its events each time.
 constexpr double ProgressInterval = 0.1;
 
 std::string ToText(const palpate::ProgressState& state, const std::string& things)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What holds and loads the model of a file, and what can be touched.
+// Reads what holds and loads the model of a file, and where it may be touched.
 #include "vtkPalpateFEBioModelReader.h"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ int ModelReader::AxesOf(const Tree& condition)
         name += c == ' ' ? "" : std::string(1, c);
         continue;
       }
-      // The others are of shells.
+      // Other names are degrees of freedom of shells.
       axes |= name == "x" ? 1 : name == "y" ? 2 : name == "z" ? 4 : 0;
       name.clear();
     }
@@ -61,14 +61,15 @@ void ModelReader::ReadBoundary()
   palpate::Scene& scene = this->Model.Scene;
   std::vector<char> axes(scene.mesh.points.size(), 0);
   const Tree* boundary = this->Root.Child("Boundary");
-  // What all conditions on a set hold, and the first of them: each set is gone through once.
+  // The axes that all conditions on a set hold, and the first of these conditions, so that each set
+  // is visited once.
   std::map<std::string, std::pair<int, const Tree*>> heldOf;
   for (const Tree& condition : ChildrenOf(boundary))
   {
     const std::string* type = condition.Attribute("type");
     const bool isFixed = condition.Name == "fix" ||
       (condition.Name == "bc" && type && (*type == "fix" || *type == "zero displacement"));
-    // Degrees of freedom of shells and fluids, which a body does not have.
+    // These conditions are on degrees of freedom of shells and fluids, which a body does not have.
     const bool isOfOthers = type && StartsWith(*type, "zero ");
     if (isFixed)
     {
@@ -128,7 +129,7 @@ void ModelReader::Hold(Index point, const palpate::Vec3& direction)
   palpate::HeldDirections held =
     scene.held_directions.empty() ? none : scene.held_directions[point];
   const palpate::Vec3 across = direction - held * (held.transpose() * direction);
-  // The sine of the angle to those that it has.
+  // The sine of the angle to the directions that the point has: below this they are the same.
   constexpr double same = 1e-6;
   if (scene.fixed[point] != 0 || across.norm() < same)
   {
@@ -298,7 +299,8 @@ bool ModelReader::Load(const std::vector<Face>& faces, const Value& value, const
       }
     }
   }
-  // Where a corner has changed no face was loaded before. What is said twice changes nothing.
+  // If a corner has changed, the face must not have been loaded before. The same load twice changes
+  // nothing.
   const auto isAsWanted = [&](std::size_t face)
   { return carries(array, outside.Faces[face].data()) == (wanted.count(face) > 0); };
   const bool isRight = isNew && std::all_of(wanted.begin(), wanted.end(), isAsWanted) &&

@@ -84,7 +84,7 @@ bool Holds(const vtkPalpateFEBioLaw& law, const Material& material)
   return std::all_of(left.begin(), left.end(), [](double value) { return value == 0; });
 }
 
-/// How FEBio's differs, and what to do.
+/// A text that says how FEBio's law differs, and what to do.
 std::string Difference(Law law)
 {
   switch (law)

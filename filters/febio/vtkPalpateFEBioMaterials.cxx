@@ -23,7 +23,7 @@ std::string Subject(const std::string& material)
   return "The material '" + printable(material) + "' ";
 }
 
-/// What the domain chooses where FEBio has a choice.
+/// The formulation that the domain chooses, if FEBio has a choice.
 std::optional<Formulation> FormulationOf(const Tree& domain)
 {
   const std::string* type = domain.Attribute("type");              // 4.0
@@ -39,7 +39,7 @@ std::optional<Formulation> FormulationOf(const Tree& domain)
   return std::nullopt;
 }
 
-/// @throws InputError it follows a load curve, a map or a formula.
+/// @throws InputError the value follows a load curve, a map or a formula.
 void RequireConstant(const Tree& child, const std::string& where)
 {
   const std::string* type = child.Attribute("type");
@@ -61,7 +61,7 @@ struct vtkPalpateFEBioMaterials::Series
 {
   static constexpr int Size = 6;
 
-  /// Whether it is one of them.
+  /// Reads the child if it is one of these parameters. @returns Whether it is.
   bool Take(const Tree& child, const std::string& where)
   {
     const std::string& name = child.Name;
@@ -79,7 +79,7 @@ struct vtkPalpateFEBioMaterials::Series
     return value != nullptr;
   }
 
-  /// Ours, whose terms are in the order of their times, each time once.
+  /// Gives a rheology the terms, in the order of their times, each time once.
   void Give(const std::string& where, palpate::Rheology& rheology) const
   {
     if (!(this->Whole > 0))
@@ -107,7 +107,7 @@ struct vtkPalpateFEBioMaterials::Series
     int place = 0;
     for (const auto& [time, modulus] : terms)
     {
-      // A place that is left free stays free.
+      // A term that the file leaves free stays free.
       while (isOrdered && this->Moduli[place] == 0)
       {
         ++place;
@@ -158,7 +158,7 @@ vtkPalpateFEBioMaterials::Part vtkPalpateFEBioMaterials::Of(const Tree& elements
   this->ReadLaw(*elastic, part);
   this->ReadFormulation(domain, type, part);
 
-  // Of the material and of its law; the density is that of the material.
+  // The parameters of the material and of its law; the density is that of the material.
   std::vector<const Tree*> children;
   Series series;
   for (const Tree& child : material.Children)
@@ -204,7 +204,7 @@ std::pair<palpate::Material, palpate::Rheology> vtkPalpateFEBioMaterials::Of(
   }
   if (part.Law->Law == palpate::Law::ogden)
   {
-    // A term that is not there has an exponent all the same in FEBio.
+    // In FEBio also a term that is not used has an exponent.
     for (int i = 1; i <= 2 * palpate::max_ogden_terms; i += 2)
     {
       parameters[i + 1] = parameters[i] == 0 ? 0 : parameters[i + 1];
@@ -283,7 +283,7 @@ const vtkPalpateXMLTree* vtkPalpateFEBioMaterials::DomainOf(const Tree& elements
     printable(name) + "\"> in <MeshDomains>.");
 }
 
-/// By its name, or by its id (2.5).
+/// Finds a material by its name, or by its id (2.5).
 const vtkPalpateXMLTree& vtkPalpateFEBioMaterials::Find(const std::string& reference) const
 {
   for (const ChildIndex* materials : { &this->MaterialsByName, &this->MaterialsById })
@@ -399,7 +399,7 @@ void vtkPalpateFEBioMaterials::ReadParameters(
   }
 }
 
-/// @param choice Null: the first one.
+/// @param choice The element with the choice; null: the first model is taken.
 void vtkPalpateFEBioMaterials::ReadPressureModel(const Tree* choice, const Part& part)
 {
   const auto& all = vtkPalpateFEBioPressureModel::All();
@@ -424,7 +424,8 @@ void vtkPalpateFEBioMaterials::ReadPressureModel(const Tree* choice, const Part&
   }
 }
 
-/// @param index Its place, or Part::Density. @param unit What FEBio's number is multiplied with.
+/// @param index The index of the parameter, or Part::Density.
+/// @param unit The factor of FEBio's number.
 void vtkPalpateFEBioMaterials::ReadParameter(const Tree& child, int index, double unit, Part& part)
 {
   const std::string* type = child.Attribute("type");

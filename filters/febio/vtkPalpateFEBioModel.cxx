@@ -141,7 +141,8 @@ void ModelReader::CheckSection(const Tree& section)
     throw InputError(
       Label(section) + " stands in another file, which is not read. Put everything into one file.");
   }
-  // What makes the body is read by its name; the others are about the computation.
+  // These sections describe the body, and are read by their names. The others are about the
+  // computation.
   for (const char* name : { "Module", "Control", "Globals", "Material", "Mesh", "Geometry",
          "MeshDomains", "MeshData", "Boundary", "Loads", "LoadData", "Output" })
   {

@@ -59,7 +59,7 @@ std::vector<Part> PartsOf(const Body& body, const Regions& regions,
     const vtkPalpateFEBioLaw* law = laws[body.MaterialIndex(cell)];
     auto parameters = material.parameters;
     Rheology rheology = body.RheologyOf(cell);
-    // It is left out.
+    // This value is left out.
     rheology.viscous_time = 0;
     if (mayVary)
     {
@@ -82,7 +82,7 @@ std::vector<Part> PartsOf(const Body& body, const Regions& regions,
     parts[found->second].Cells.push_back(cell);
   }
 
-  // Names that others have get a number.
+  // A name that another part already has gets a number.
   std::set<std::string> names;
   for (Part& part : parts)
   {
@@ -114,7 +114,7 @@ Regions RegionsOf(vtkUnstructuredGrid* body)
 {
   Regions regions;
   regions.OfCell.assign(static_cast<std::size_t>(body->GetNumberOfCells()), 0);
-  // Of a label map, and of the surfaces of a body.
+  // The array comes from a label map, or from the surfaces of a body.
   for (const char* name : { "RegionId", "Region" })
   {
     vtkDataArray* array = body->GetCellData()->GetArray(name);

@@ -54,7 +54,7 @@ vtkPalpateFEBioReader::~vtkPalpateFEBioReader() = default;
 int vtkPalpateFEBioReader::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
-  // So that every rank comes to RequestData, where they agree whether it failed.
+  // This makes every rank execute RequestData, where the ranks agree whether it has failed.
   outputVector->GetInformationObject(0)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
   return 1;
 }
@@ -76,7 +76,7 @@ int vtkPalpateFEBioReader::RequestData(
         throw palpate::InputError("No file is named. Set FileName to a .feb file.");
       }
       const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(this->FileName, this->Units);
-      // Its rest under the loads is not known.
+      // The body's rest under the loads is not known.
       palpate::Scene unloaded = model.Scene;
       unloaded.applied_pressure.clear();
       unloaded.applied_traction.clear();

@@ -27,7 +27,8 @@ using palpate::printable;
 constexpr const char* DueNumbers = "numbers with a comma between them are due";
 constexpr const char* DueNumber = "one number is due";
 
-/// One number with white space about it and nothing else, or none.
+/// The number of a text that holds one number with white space around it; nothing for any other
+/// text.
 template <class Number>
 std::optional<Number> WholeNumber(std::string_view text)
 {
@@ -44,7 +45,7 @@ std::optional<Number> WholeNumber(std::string_view text)
   return fault == std::errc() && behind == end ? std::optional(number) : std::nullopt;
 }
 
-/// Calls f with what stands between the commas of a text.
+/// Calls f with each part of a text between commas.
 template <class F>
 void ForEachPiece(std::string_view text, char comma, F&& f)
 {
@@ -56,8 +57,8 @@ void ForEachPiece(std::string_view text, char comma, F&& f)
   }
 }
 
-/// Ids of a set, of which the mesh has each: no more can be named than there are, and so a short
-/// text cannot stand for more than the mesh that it is about.
+/// Gathers the ids of a set. The mesh must have each of them, and no more may be named than there
+/// are, so that a short text cannot ask for more memory than its mesh takes.
 class SetIds
 {
 public:

@@ -58,7 +58,7 @@ std::string ArraysLeftOut(vtkUnstructuredGrid* grid, const Regions& regions)
     {
       vtkAbstractArray* array = data->GetAbstractArray(i);
       const std::string name = array->GetName() ? array->GetName() : "";
-      // What the pieces of a body are joined by.
+      // The pieces of a body are joined by these arrays.
       const bool isOfPieces = name == vtkDataSetAttributes::GhostArrayName() ||
         (attributes && array == attributes->GetGlobalIds());
       if (written.count(name) == 0 && !isOfPieces)

@@ -51,15 +51,15 @@ void WriteParameter(const Part& part, const CellParameter& parameter, Output& xm
   xml.Leaf(parameter.Name, {}, Text(parameter.OfCell(part.Cells.front())));
 }
 
-/// The parameters of the law.
-/// @param isOuter Those that belong to the material where the law is its <elastic>.
-/// @param isInner The others.
+/// Writes the parameters of the law.
+/// @param isOuter Writes those that belong to the outer material if the law is its <elastic>.
+/// @param isInner Writes the others.
 void WriteLaw(const Part& part, bool isOuter, bool isInner, Output& xml)
 {
   for (const CellParameter& parameter : part.Parameters)
   {
     const bool isOfOuter = part.Law->IsUncoupled && std::string(parameter.Name) == "k";
-    // Of a term of Ogden's that is not there, FEBio admits no exponent of 0.
+    // FEBio admits no exponent of 0, also for a term of Ogden's law that is not used.
     const bool isThere = part.Law->Law != palpate::Law::ogden || part.Varies(parameter) ||
       parameter.OfCell(part.Cells.front()) != 0;
     if (isThere && (isOfOuter ? isOuter : isInner))
@@ -130,7 +130,7 @@ void WriteElements(const Scene& scene, const Part& part, Output& xml)
   xml.Close();
 }
 
-/// FEBio has no empty sets.
+/// Writes a set of nodes, unless it is empty, which FEBio does not admit.
 void WriteNodeSet(const char* name, const std::vector<char>& chosen, Output& xml)
 {
   std::vector<std::size_t> ids;
@@ -189,7 +189,7 @@ struct SurfaceLoad
   /// FEBio's type, which is the name of its parameter too.
   const char* Type;
   std::string Value;
-  /// Their nodes.
+  /// The nodes of the faces.
   std::vector<Index> Faces;
 };
 
@@ -235,7 +235,7 @@ void WriteSurface(const Scene& scene, const SurfaceLoad& load, Output& xml)
   xml.Open("Surface", { { "name", load.Name } });
   for (std::size_t i = 0; i < load.Faces.size(); i += size)
   {
-    // Outward, corners before midside nodes, in FEBio's order.
+    // The faces look outward, with corners before midside nodes, in FEBio's order.
     std::vector<Index> nodes(load.Faces.begin() + i, load.Faces.begin() + i + size);
     for (Index& node : nodes)
     {
@@ -362,7 +362,7 @@ void WriteModel(const Body& body, const std::vector<Part>& parts, std::ostream& 
   xml.Open("MeshDomains");
   for (const Part& part : parts)
   {
-    // Of its own FEBio takes the one with a pressure for every uncoupled material.
+    // By default FEBio takes the formulation with a pressure for every uncoupled material.
     xml.Empty("SolidDomain",
       { { "name", part.Name }, { "mat", part.Name },
         { "type", part.IsThreeField() ? "three-field-solid" : "elastic-solid" } });
@@ -419,7 +419,7 @@ vtkPalpateFEBioWriter::~vtkPalpateFEBioWriter() = default;
 
 int vtkPalpateFEBioWriter::Write()
 {
-  // Written again also where nothing has changed: the file may be gone.
+  // The file is written again also if nothing has changed, since it may be gone.
   this->Modified();
   this->Writes = true;
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();

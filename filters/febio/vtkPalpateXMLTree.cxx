@@ -16,7 +16,8 @@ namespace
 {
 using palpate::InputError;
 
-/// No format that we read is deeper; a tree is taken down by recursion.
+/// The largest depth of a tree. No format that we read is deeper, and the destructor of a tree is
+/// recursive.
 constexpr int MostLevels = 100;
 
 void Trim(std::string& text)
@@ -32,7 +33,7 @@ public:
   static Parser* New();
   vtkTypeMacro(Parser, vtkXMLParser);
 
-  /// What VTK says of the fault; empty where there is none.
+  /// VTK's message about the fault; empty if there is none.
   std::string Fault;
   vtkPalpateXMLTree Root;
   bool TooDeep = false;
@@ -77,14 +78,14 @@ protected:
     }
   }
 
-  /// Nothing of the rest is kept.
+  /// The rest of the file is not kept.
   int ParsingComplete() override { return this->TooDeep || this->Superclass::ParsingComplete(); }
 
 private:
   void TakeError(vtkObject*, unsigned long, void* message)
   {
     std::string text = static_cast<const char*>(message);
-    // The rest says where in VTK.
+    // The rest of the message says where in VTK's source the error was found.
     const std::size_t begin = text.find("Error parsing");
     text.erase(0, begin == std::string::npos ? 0 : begin);
     Trim(text);
@@ -92,7 +93,7 @@ private:
   }
 
   int Level = 0;
-  /// From the root to the element that is being read.
+  /// The open elements, from the root to the one that is being read.
   std::vector<vtkPalpateXMLTree> Open;
 };
 

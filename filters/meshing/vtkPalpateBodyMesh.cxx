@@ -28,7 +28,7 @@ namespace
 {
 using Tetrahedron = std::array<vtkIdType, 4>;
 
-/// What palpate-tetgen gives, taken apart.
+/// The parts of palpate-tetgen's output.
 struct Mesh
 {
   std::vector<Tetrahedron> Tetrahedra;
@@ -103,8 +103,8 @@ vtkSmartPointer<vtkImageData> Sample(vtkImplicitFunction* region, const vtkBound
   return image;
 }
 
-/// The function within the surface's box; once more, closer, where that shows it to be negative.
-/// Null where it is so nowhere.
+/// Samples the function within the surface's box, and again more finely where it is negative. Null
+/// if it is nowhere negative.
 vtkSmartPointer<vtkImageData> SampleRegion(
   vtkImplicitFunction* region, const vtkPalpateSurface& surface)
 {
@@ -139,8 +139,8 @@ double VolumeOf(const Mesh& mesh, const Tetrahedron& ids)
   return vtkTetra::ComputeVolume(p[0], p[1], p[2], p[3]);
 }
 
-/// For each of TetGen's regions but cavities the number that the user sees: that of the compartment
-/// in which its largest tetrahedron has its middle.
+/// The number that the user sees for each of TetGen's regions except cavities: that of the
+/// compartment in which the middle of its largest tetrahedron lies.
 /// @throws palpate::BackendError the tetrahedra do not fill the compartments.
 std::map<int, int> NumberRegions(const Mesh& mesh, const vtkPalpateCompartments& compartments)
 {
@@ -243,8 +243,8 @@ private:
   std::map<std::pair<vtkIdType, vtkIdType>, vtkIdType> Middles;
 };
 
-/// @param number The user's number for each of TetGen's that is part of the body. @param name Of
-/// the array of them.
+/// @param number The user's number for each of TetGen's regions that is part of the body.
+/// @param name The name of the array of these numbers.
 void BuildBody(const Mesh& mesh, const std::map<int, int>& number, const char* name, bool quadratic,
   vtkUnstructuredGrid* body)
 {
@@ -283,7 +283,7 @@ void BuildBody(const Mesh& mesh, const std::map<int, int>& number, const char* n
   }
   body->SetPoints(points.Points);
   body->GetCellData()->AddArray(region);
-  // Drawn by colour, where there are several.
+  // If there are several regions, the body is coloured by them.
   if (region->GetRange()[0] != region->GetRange()[1])
   {
     body->GetCellData()->SetActiveScalars(region->GetName());
@@ -324,7 +324,7 @@ void vtkPalpateMeshRegions(const vtkPalpateSurface& walls,
   places->SetNumberOfComponents(3);
   numbers->SetName("SeedNumber");
   volumes->SetName("SeedVolume");
-  // A number of its own for each seed, by its place in the list: TetGen takes what is above 0.
+  // Each seed has a number of its own, by its place in the list. TetGen takes numbers above 0.
   std::map<int, int> number;
   for (const vtkPalpateRegionSeed& seed : seeds)
   {

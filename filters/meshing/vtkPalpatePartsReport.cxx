@@ -7,7 +7,7 @@
 
 namespace
 {
-/// Of a part's volume.
+/// The largest difference of volumes that is not reported, as a share of a part's volume.
 constexpr double VolumeTolerance = 0.02;
 }
 

@@ -54,7 +54,7 @@ void vtkPalpateRegions::RequireNoOverlap() const
   }
   const auto& overlap = Compartments.Overlaps.front();
   const int i = overlap.Compartment;
-  // Of a layer the mean is its thickness; a lens is three times as thick in its middle.
+  // For a layer the mean is its thickness; a lens is three times as thick in its middle.
   const double mean = 2 * Compartments.Volume[i] / vtkPalpateArea(Compartments.Boundary[i]);
   std::ostringstream text;
   text.precision(3);

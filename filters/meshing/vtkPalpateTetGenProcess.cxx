@@ -31,7 +31,7 @@ std::string ToText(vtkDataObject* data)
 {
   vtkNew<Writer> writer;
   writer->SetInputData(data);
-  // Not appended: recent releases of Expat make VTK's reader refuse that.
+  // The data are not appended, since recent releases of Expat make VTK's reader refuse that.
   writer->SetDataModeToBinary();
   writer->SetCompressorTypeToNone();
   writer->WriteToOutputStringOn();
@@ -39,7 +39,7 @@ std::string ToText(vtkDataObject* data)
   return writer->GetOutputString();
 }
 
-/// Null where the text is no grid as promised.
+/// The grid in a text; null if the text is not a grid of the promised form.
 vtkSmartPointer<vtkUnstructuredGrid> FromText(const std::string& text)
 {
   constexpr std::size_t enough_to_tell = 400;
@@ -97,7 +97,7 @@ vtkPalpateTetGenLimits::vtkPalpateTetGenLimits(
 {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  // Longer than a year is no limit, and would overflow the clock.
+  // A time of more than a year is no limit, and would overflow the clock.
   constexpr double year = 3e7;
   if (timeOut > 0 && timeOut < year)
   {
@@ -106,7 +106,7 @@ vtkPalpateTetGenLimits::vtkPalpateTetGenLimits(
   }
   this->Poll = [progress, start]
   {
-    // Halfway at ten seconds.
+    // The guess reaches one half at this time, s.
     constexpr double half_way = 10;
     const double time = std::chrono::duration<double>(Clock::now() - start).count();
     progress(time / (half_way + time));

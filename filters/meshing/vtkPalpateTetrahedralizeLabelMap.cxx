@@ -41,23 +41,24 @@ namespace
 {
 using palpate::InputError;
 
-/// Of a regular tetrahedron of edge 1 it is 0.118. TetGen's have about half of their bound.
+/// The bound of the volume for an edge of 1. A regular tetrahedron has 0.118, and TetGen's have
+/// about half of their bound.
 constexpr double VolumeOfEdge = 0.2;
-/// Of a tetrahedron on the average, as measured: those at the walls are smaller.
+/// The measured mean volume of a tetrahedron for an edge of 1: tetrahedra at the walls are smaller.
 constexpr double MeanVolumeOfEdge = 0.04;
 constexpr double AutomaticNumber = 1e4;
 /// A voxel whose edges differ by no more is taken for a cube, and one that is as long as the
 /// elements to within that stays as it is.
 constexpr double AlmostEqual = 0.2;
 constexpr int MostSmoothing = 1000;
-/// Of an automatic size that lets labels vanish.
+/// The largest number of trials with an automatic size that lets labels vanish.
 constexpr int MostTrials = 6;
-/// On one core.
+/// The time for a voxel on one core, s.
 constexpr double SecondsOfVoxel = 2e-8;
-/// The label and the number of the part.
+/// The memory for a voxel, bytes: the label and the number of the part.
 constexpr double BytesOfVoxel = 8;
 
-/// How well the tetrahedra are shaped.
+/// The quality of the shape of the tetrahedra.
 struct Quality
 {
   double Ratio = 0;   ///< the largest of circumscribed radius to shortest edge
@@ -221,7 +222,7 @@ int vtkPalpateTetrahedralizeLabelMap::FillInputPortInformation(int, vtkInformati
 int vtkPalpateTetrahedralizeLabelMap::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector*)
 {
-  // The whole image, on every rank: a reader gives a part else.
+  // Ask for the whole image on every rank, since a reader gives a part otherwise.
   vtkInformation* info = input[0]->GetInformationObject(0);
   info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), 1);
   info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(), 0);
@@ -242,7 +243,7 @@ int vtkPalpateTetrahedralizeLabelMap::RequestData(
   auto* walls = vtkPolyData::GetData(output, 1);
   body->Initialize();
   walls->Initialize();
-  // A request that ended the run before is not for this one, and nobody else takes it back.
+  // A request that has ended an earlier run is not meant for this one, and nobody else resets it.
   this->SetAbortExecute(0);
   this->ErrorCode = vtkPalpateProduce(this, body, this->Controller,
     [&]

@@ -45,24 +45,24 @@ using palpate::InputError;
 constexpr int LeastResolution = 16;
 constexpr int GreatestResolution = 300; // half a gigabyte for a cube
 
-/// How many tetrahedra TetGen makes, as it did of sixteen surfaces of balls, livers, plates and
-/// cylinders, to a factor of 2.5: where it may divide triangles, of each that is left, and else of
-/// each that there is.
+/// The number of tetrahedra that TetGen makes, to a factor of 2.5, as measured on sixteen surfaces
+/// of balls, livers, plates and cylinders: for each triangle that is left if TetGen may divide
+/// triangles, and otherwise for each triangle of the surface.
 constexpr double TetrahedraOfPart = 1.6;
 constexpr double TetrahedraOfTriangle = 2.5;
-/// Of a triangle with edges of 1.
+/// The area of a triangle with edges of 1.
 constexpr double AreaOfEdge = 0.433;
-/// A bound of the shape that is stricter than the default one, and one that is less.
+/// The default bound of the shape, and the effect of a stricter and of a looser one.
 constexpr double DefaultRatio = 1.414;
 constexpr double FinerExponent = 6;
 constexpr double CoarserExponent = 2;
-/// Mean volume of a tetrahedron beside its bound.
+/// The mean volume of a tetrahedron as a share of its bound.
 constexpr double ShareOfBound = 0.22;
-/// On one core.
+/// The time for a triangle on one core, s.
 constexpr double SecondsOfTriangle = 1e-4;
 constexpr double BytesOfTriangle = 500;
 
-/// Of each point the shortest edge that ends there, m.
+/// The shortest edge at each point, m.
 std::vector<double> ShortestEdges(const vtkPalpateSurface& surface)
 {
   std::vector<double> shortest(surface.Points.size(), VTK_DOUBLE_MAX);
@@ -146,7 +146,7 @@ vtkImplicitFunction* vtkPalpateTetrahedralizeSurface::GetRefineRegion() const
 vtkMTimeType vtkPalpateTetrahedralizeSurface::GetMTime()
 {
   const vtkMTimeType own = this->Superclass::GetMTime();
-  // A region that refines nothing shall not mesh the body again when it is moved.
+  // A region that refines nothing must not cause the body to be meshed again when it is moved.
   return this->RefineRegion && this->RefineVolume > 0
     ? std::max(own, this->RefineRegion->GetMTime())
     : own;
@@ -177,7 +177,7 @@ int vtkPalpateTetrahedralizeSurface::RequestData(
   auto* faults = vtkPolyData::GetData(output, 1);
   body->Initialize();
   faults->Initialize();
-  // A request that ended the run before is not for this one, and nobody else takes it back.
+  // A request that has ended an earlier run is not meant for this one, and nobody else resets it.
   this->SetAbortExecute(0);
 
   this->ErrorCode = vtkPalpateProduce(this, body, this->Controller,
@@ -363,7 +363,7 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   }
   catch (const palpate::BackendError& error)
   {
-    // They may be why.
+    // The gaps may be the reason.
     throw palpate::BackendError(error.what() + (gaps.empty() ? "" : ' ' + gaps));
   }
   if (!matched.empty())
@@ -384,7 +384,8 @@ std::optional<vtkPalpateRepairedSurface> vtkPalpateTetrahedralizeSurface::MatchW
   const vtkPalpateSurface& surface, const vtkPalpateWalls& walls,
   const vtkPalpateCompartments& compartments, const vtkPalpateSurfaceFaults& faults) const
 {
-  // Larger than the rounding of a coordinate in single precision, smaller than any feature.
+  // This is larger than the rounding of a coordinate in single precision, and smaller than any
+  // feature.
   constexpr double rounding = 1e-6;
   double largest = vtkPalpateDiagonal(walls.Surface);
   for (const double bound : vtkPalpateBounds(walls.Surface))
@@ -402,7 +403,7 @@ std::optional<vtkPalpateRepairedSurface> vtkPalpateTetrahedralizeSurface::MatchW
   {
     needed = needed || is_thin(i);
   }
-  // Without a tolerance walls are in the same place, but for rounding.
+  // Without a tolerance, walls are in the same place except for rounding.
   if (!needed ||
     (this->WallTolerance == 0 && vtkPalpateOverlaps(surface, walls, faults).Deepest() > tolerance))
   {
@@ -415,7 +416,7 @@ std::optional<vtkPalpateRepairedSurface> vtkPalpateTetrahedralizeSurface::MatchW
   }
   if (this->WallTolerance == 0)
   {
-    // What was not asked for has to be a success.
+    // A match that was not asked for is only used if it is a success.
     if (!vtkPalpateAreMatched(matched))
     {
       return {};

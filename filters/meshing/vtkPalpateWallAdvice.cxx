@@ -14,15 +14,15 @@
 
 namespace
 {
-/// Walls that lie so near to each other may be meant as one: a share of the diagonal.
+/// Walls that are this close to each other may be meant as one: a share of the diagonal.
 constexpr double Close = 1e-3;
 
-/// How far from each other the walls of several surfaces lie that bound bodies without a fault when
-/// each is one wall, m; none where they are too far apart for that, or there is another fault.
+/// The least tolerance with which the walls of several surfaces match, and bound bodies without a
+/// fault, m; nothing if they are too far apart for that, or there is another fault.
 std::optional<double> ToleranceThatHelps(
   const vtkPalpateSurface& surface, const vtkPalpateSurface& walls)
 {
-  // The least of several that does: a large one takes thin parts for walls.
+  // Take the least tolerance that helps, since a large one takes thin parts for walls.
   for (const double share : { Close, 4 * Close, 16 * Close })
   {
     const auto matched = vtkPalpateMatchWalls(surface, share * vtkPalpateDiagonal(walls));

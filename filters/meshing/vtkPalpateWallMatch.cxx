@@ -136,8 +136,9 @@ private:
     palpate::OnTriangle At;
   };
 
-  /// An outline that asks for more is none: the tolerance is larger than what it has to keep apart,
-  /// or the surfaces cross each other. A wall gets new points along its outline alone.
+  /// Whether there are more pieces than an outline asks for, since a wall gets new points along its
+  /// outline alone. Then the tolerance is larger than details which it has to keep apart, or the
+  /// surfaces cross each other.
   bool HasTooManyPieces() const
   {
     constexpr std::size_t of_each = 2;
@@ -175,7 +176,8 @@ private:
     Pieces.push_back(piece);
     const auto add_to = [&](std::vector<vtkIdType>& list)
     {
-      // Instead of a larger list, so that it takes a time that grows as the number of pieces does.
+      // Before a full list is enlarged, remove pieces that were cut, so that the time grows as the
+      // number of pieces does.
       if (list.size() == list.capacity())
       {
         list.erase(std::remove_if(list.begin(), list.end(),
@@ -254,8 +256,8 @@ private:
     return nearest;
   }
 
-  /// How far the middle, corners and middles of sides of a piece lie from the other side at most;
-  /// infinity beyond the tolerance.
+  /// The largest distance of the middle, the corners and the middles of sides of a piece from the
+  /// other side; infinity beyond the tolerance.
   double DistanceOf(const Piece& piece) const
   {
     const bool other = piece.Group != Current;
@@ -596,7 +598,7 @@ private:
     }
   }
 
-  /// Replaces what lies on the surfaces before by their triangles.
+  /// Replaces pieces that lie on earlier surfaces by the triangles of these.
   void Replace()
   {
     std::vector<vtkIdType> on;
@@ -682,7 +684,8 @@ private:
     return open;
   }
 
-  /// Whether no surface has got open edges, as where outlines did not meet within the tolerance.
+  /// Whether no surface has new open edges, which appear if outlines did not meet within the
+  /// tolerance.
   bool AreClosedAsBefore() const
   {
     const auto before =

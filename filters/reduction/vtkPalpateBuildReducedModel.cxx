@@ -62,7 +62,7 @@ void FillErrors(const std::vector<palpate::MeasuredError>& rows, const palpate::
 }
 
 /// The tools at each place of training.
-/// @param nodes So many after each other as there are tools are a place.
+/// @param nodes Each run of as many nodes as there are tools is a place.
 std::vector<std::vector<palpate::BondedPatch>> PlacesOf(
   const palpate::BondedPatches& patches, const std::vector<palpate::Index>& nodes, size_t tools)
 {
@@ -221,10 +221,10 @@ void vtkPalpateBuildReducedModel::Build(vtkUnstructuredGrid* body,
   options.shortest_tap = this->ShortestTap;
   options.time_step = this->TimeStep;
   options.equilibrium.tolerance = this->SolverTolerance;
-  // A request that ended the run before is not for this one, and nobody else takes it back.
+  // A request that has ended an earlier run is not meant for this one, and nobody else resets it.
   this->SetAbortExecute(0);
   options.report = [this](const std::string& what) { this->SetProgressText(what.c_str()); };
-  // What is left is not known: it never comes to its end.
+  // The remaining work is not known, so that the progress never reaches its end.
   options.equilibrium.abort_requested =
     vtkPalpateAbortRequested(this, [told = 0.0]() mutable { return told += (1 - told) / 500; });
   palpate::validate(options);

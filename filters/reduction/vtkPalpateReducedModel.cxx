@@ -21,7 +21,7 @@ constexpr const char* Rest = "ReducedRest";
 constexpr const char* ActiveNodes = "ActiveNodes";
 const std::string Prefix = "Reduced";
 
-/// A tuple a row.
+/// An array with a tuple for each row.
 vtkSmartPointer<vtkDoubleArray> ArrayOf(const std::string& name, const Eigen::MatrixXd& matrix)
 {
   auto array = vtkSmartPointer<vtkDoubleArray>::New();

@@ -52,7 +52,7 @@ Law CheckedLaw(int number)
   return static_cast<Law>(number);
 }
 
-/// By the names of the parameters, of rows r, s, C_rs.
+/// The coefficients of rows r, s, C_rs, by the names of the parameters.
 std::map<std::string, double> CoefficientsByName(const std::vector<std::array<double, 3>>& rows)
 {
   if (rows.empty())
@@ -83,7 +83,7 @@ std::map<std::string, double> CoefficientsByName(const std::vector<std::array<do
   return values;
 }
 
-/// Of those of the property Law: the laws, and from FirstTissue on the tissues.
+/// The names of the choices of the property Law: the laws, and from FirstTissue on the tissues.
 std::vector<std::string> NamesOfLaws()
 {
   std::vector<std::string> names;
@@ -94,7 +94,7 @@ std::vector<std::string> NamesOfLaws()
   return names;
 }
 
-/// The whole text as a number.
+/// The number that the whole text is.
 double NumberOf(const std::string& text)
 {
   bool isNumber = false;
@@ -130,7 +130,7 @@ double RegionOf(const std::string& text, vtkUnstructuredGrid* body)
   throw InputError("it is neither a number nor the name of a label. The body has: " + there + '.');
 }
 
-/// Names and values by turns.
+/// The values by name, from a text with names and values by turns.
 std::map<std::string, double> NumbersByName(const std::string& text)
 {
   std::map<std::string, double> values;
@@ -149,7 +149,7 @@ std::map<std::string, double> NumbersByName(const std::string& text)
   return values;
 }
 
-/// Takes those of a rheology out of `values`; nothing where there are none.
+/// Takes the values of a rheology out of `values`; nothing if there are none.
 std::optional<palpate::Rheology> TakeRheology(std::map<std::string, double>& values)
 {
   palpate::RheologyValues own{};
@@ -198,7 +198,7 @@ palpate::Material MaterialOfLaw(Law law, const std::map<std::string, double>& va
   return palpate::make_material(law, all);
 }
 
-/// @param name Of a law, with parameters, or of a tissue, without any.
+/// @param name The name of a law, which has parameters, or of a tissue, which has none.
 palpate::Material MaterialOfName(
   const std::string& name, const std::map<std::string, double>& parameters)
 {
@@ -277,7 +277,7 @@ vtkStandardNewMacro(vtkPalpateAssignMaterial);
 struct vtkPalpateAssignMaterial::Assignment
 {
   palpate::Material Material;
-  /// Empty: the cells keep theirs.
+  /// The rheology; empty: the cells keep theirs.
   std::optional<palpate::Rheology> Rheology;
   std::vector<char> Cells;
 };
@@ -519,7 +519,7 @@ std::optional<palpate::Rheology> vtkPalpateAssignMaterial::MakeRheology() const
   rheology.viscous_time = this->ViscousTime;
   for (std::size_t term = 0; term < terms; ++term)
   {
-    // A term of the list is there.
+    // A term of the list must not be zero.
     if (this->PronyModuli[term] == 0 && this->PronyTimes[term] == 0)
     {
       throw InputError("Term " + std::to_string(term + 1) +

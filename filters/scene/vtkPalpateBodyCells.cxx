@@ -30,7 +30,7 @@ using Tetrahedron = std::array<vtkIdType, 4>;
 
 constexpr const char* CellOfPart = "Cell";
 
-/// A cell that can be cut: what its corners make, and how many they are.
+/// A type of cells that can be cut: the type of its corners' cell, and the number of its corners.
 struct Kind
 {
   int Type;
@@ -73,11 +73,11 @@ vtkIdType MostPointsOfQuadratic(const Kind& kind)
 int DimensionOf(int type)
 {
   const auto cell = vtkSmartPointer<vtkCell>::Take(vtkGenericCell::InstantiateCell(type));
-  // One that is not known may be a body.
+  // A cell of an unknown type may be a part of a body.
   return cell ? cell->GetCellDimension() : (type == VTK_EMPTY_CELL ? 0 : 3);
 }
 
-/// What of a grid becomes tetrahedra.
+/// The cells of a grid that become tetrahedra.
 class Cells
 {
 public:
@@ -159,7 +159,7 @@ public:
 
   bool AreLinear() const { return Bodies.empty() || Linear == Bodies.front(); }
 
-  /// For a warning.
+  /// A text about the cells that are left out, for a warning.
   std::string LeftOut() const
   {
     std::string text =
@@ -267,7 +267,7 @@ public:
     return entry->second;
   }
 
-  /// @param output Gets the points and their data.
+  /// @param output Receives the points and their data.
   void Finish(vtkUnstructuredGrid* output)
   {
     output->SetPoints(Points);
@@ -395,7 +395,7 @@ vtkPalpateBodyCells vtkPalpateToTetrahedra(vtkUnstructuredGrid* grid)
     middles.Finish(body);
     result.Added = std::move(middles.Added);
   }
-  // Several parts of a cell would have the same.
+  // Several parts of a cell would have the same id.
   data->SetGlobalIds(nullptr);
   body->GetFieldData()->ShallowCopy(grid->GetFieldData());
   return result;

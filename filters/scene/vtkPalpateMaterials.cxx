@@ -271,7 +271,7 @@ std::vector<palpate::Rheology> vtkPalpateReadRheologies(
     {
       values[i] = arrays[i] ? arrays[i]->GetComponent(static_cast<vtkIdType>(cell), 0) : 0;
     }
-    // A number that is none has no place in an order.
+    // NaN has no place in an order.
     const bool isNumber =
       std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
     const auto known = isNumber ? indices.find({ materials.OfCell[cell], values }) : indices.end();

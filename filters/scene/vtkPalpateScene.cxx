@@ -66,7 +66,7 @@ palpate::Scene ReadScene(vtkUnstructuredGrid* grid, std::vector<palpate::Rheolog
 {
   palpate::Scene scene;
   scene.mesh = vtkPalpateMeshFromGrid(grid);
-  // Before anything else looks at the geometry.
+  // Check this before anything else uses the geometry.
   palpate::check_and_orient(scene.mesh);
   ReadMaterials(grid, scene, rheologies);
   vtkPalpateReadBoundary(grid, scene);
@@ -120,8 +120,8 @@ void AddBodyForce(vtkUnstructuredGrid* grid, const palpate::Scene& scene)
   grid->GetCellData()->AddArray(density);
 }
 
-/// Null: there is none.
-/// @throws palpate::InputError it is of cells, or has another number of components.
+/// The array of a boundary; null: there is none.
+/// @throws palpate::InputError it is an array of cells, or has another number of components.
 vtkDataArray* BoundaryArray(vtkUnstructuredGrid* grid, const char* name, int components)
 {
   vtkDataArray* array = grid->GetPointData()->GetArray(name);
@@ -153,8 +153,8 @@ void ReadTuples(vtkUnstructuredGrid* grid, const char* name, Take take)
   }
 }
 
-/// Writes numbersOf(value) of each value, the address of as many numbers as there are components;
-/// nothing where there are no values.
+/// Writes the array of numbersOf(value), which is the address of one number for each component;
+/// nothing if there are no values.
 template <class Value, class NumbersOf>
 void WriteTuples(const char* name, int components, const std::vector<Value>& values,
   const NumbersOf& numbersOf, vtkUnstructuredGrid* grid)
@@ -437,7 +437,7 @@ void vtkPalpateAddBoundaryKinds(const palpate::Scene& scene, vtkUnstructuredGrid
       kinds->SetValue(point, kind);
     }
   };
-  // The last one counts.
+  // If a point has several kinds, the last one that is written counts.
   markWhere(TOUCHABLE, scene.touchable);
   markFaces(LOADED, palpate::faces_under_pressure(scene.mesh, scene.applied_pressure));
   markFaces(LOADED, palpate::faces_with(scene.mesh, scene.applied_traction));
@@ -450,7 +450,7 @@ void vtkPalpateAddBoundaryKinds(const palpate::Scene& scene, vtkUnstructuredGrid
     }
   }
   markWhere(FIXED, scene.fixed);
-  // Not SetScalars(), which would drop those that are there.
+  // SetScalars() is not used, since it would drop the active scalars.
   grid->GetPointData()->AddArray(kinds);
   grid->GetPointData()->SetActiveScalars(kinds->GetName());
 }

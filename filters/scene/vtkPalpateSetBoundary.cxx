@@ -50,7 +50,7 @@ struct Choice
   vtkSelection* Selection;
 };
 
-/// @param input Of `cells`: a selection has its ids.
+/// @param input The input of `cells`, whose ids a selection has.
 std::vector<char> ChosenPoints(
   vtkUnstructuredGrid* input, const vtkPalpateBodyCells& cells, const Choice& choice)
 {
@@ -92,8 +92,8 @@ bool IsNone(const Vec3& value)
   return value.isZero(0);
 }
 
-/// Values of points after points were merged: the first of those of each that is not 0, as one that
-/// is chosen is. Empty stays empty.
+/// Values of points after points were merged: each point has the first value of its points that is
+/// not 0, so that it is chosen if one of them was. Empty stays empty.
 template <class Value>
 std::vector<Value> OfMerged(const std::vector<Value>& values, const palpate::MergedMesh& merged)
 {
@@ -117,8 +117,8 @@ std::vector<Value> OfMerged(const std::vector<Value>& values, const palpate::Mer
   return now;
 }
 
-/// What holds and loads the body after points were merged: a point is held along all directions of
-/// those that it was.
+/// The supports and loads of the body after points were merged: a point is held along all
+/// directions of the points that were merged to it.
 palpate::Scene OfMerged(const palpate::Scene& scene, const palpate::MergedMesh& merged)
 {
   palpate::Scene now;
@@ -374,7 +374,7 @@ palpate::Scene vtkPalpateSetBoundary::SceneBefore(vtkUnstructuredGrid* body) con
   palpate::check_and_orient(scene.mesh);
   vtkPalpateReadBoundary(body, scene);
   vtkDataArray* fixed = vtkPalpateScalarArray(body->GetPointData(), vtkPalpateArray::Fixed);
-  // Where points are held along directions, what is fixed may be held along three of them.
+  // Where points are held along directions, fixed points may be held along three of them.
   scene.fixed = fixed && (this->Support != FIXED || scene.has_supports())
     ? vtkPalpateChosenPoints(fixed)
     : std::vector<char>(scene.mesh.points.size(), 0);
@@ -507,7 +507,7 @@ double vtkPalpateSetBoundary::LoadFaces(
       scene.applied_traction[point] = traction;
     }
   }
-  // With what was loaded before.
+  // The area includes the faces that were loaded before.
   return palpate::area_of(scene.mesh,
     isPressure ? palpate::faces_under_pressure(scene.mesh, scene.applied_pressure)
                : palpate::faces_with(scene.mesh, scene.applied_traction));

@@ -60,7 +60,7 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
 
 namespace
 {
-/// @param read Reads it of the body, on rank 0. @note Collective.
+/// @param read Reads the data from the body, on rank 0. @note Collective.
 template <class Data, class Read>
 Data Share(palpate::Communicator& communicator, Read&& read)
 {

@@ -47,7 +47,7 @@ void FindReaders(vtkAlgorithm* filter, std::set<vtkAlgorithm*>& seen)
   }
 }
 
-/// What a reader of images has read; empty where it is none.
+/// The file that a reader of images has read; empty if the filter is no such reader.
 std::string FileOf(vtkAlgorithm* reader)
 {
   // ParaView's readers of a series of files have one of VTK's within.
@@ -118,7 +118,7 @@ double Distance(const Frame& a, const Frame& b, const std::array<int, 3>& size)
   return largest;
 }
 
-/// x and y the other way round: from LPS to RAS.
+/// The frame with x and y reversed: from LPS to RAS.
 Frame InRas(Frame frame)
 {
   for (int c = 0; c < 2; ++c)
@@ -132,7 +132,7 @@ Frame InRas(Frame frame)
   return frame;
 }
 
-/// How the body lies that is made of what was read, against the file.
+/// A text that says how a body made of what was read lies with respect to the file.
 std::string TellMotion(const Frame& read, const Frame& file, double distance)
 {
   Matrix turn{};
@@ -200,7 +200,7 @@ bool IsUnturnedContour(vtkAlgorithm* filter)
   return true;
 }
 
-/// Such a reader keeps them: later versions of VTK have some.
+/// Whether a reader keeps the directions, as some readers of later versions of VTK do.
 bool HasDirections(vtkAlgorithm* reader)
 {
   auto* image = vtkImageData::SafeDownCast(reader->GetOutputDataObject(0));

@@ -97,7 +97,7 @@ Answer Run(
     files.push_back(voxels);
   }
   arguments.push_back(file);
-  // The largest image that is taken is read in a minute.
+  // Even the largest image is read in a minute.
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(10);
   const auto status = vtkPalpateRunProgram(program, arguments, files, deadline, poll);
   const std::string refused = "The file " + file + " cannot be read: ";

@@ -11,9 +11,10 @@ namespace
 {
 using Voxel = std::array<int, 3>;
 
-/// Of a cube: a part that has less of it than that and vanishes is too small for the elements.
+/// A part with a smaller share of a cube than this that vanishes is too small for the elements.
 constexpr double LeastVolume = 0.05;
-/// Of the volume of a part: what comes off it and has no more is left out.
+/// A piece that is separated from its part is left out if it has no more than this share of the
+/// part's volume.
 constexpr double Crumb = 0.02;
 
 /// Half of the steps to neighbours: those that a sweep over the voxels has met before, those across
@@ -76,7 +77,7 @@ public:
     return of;
   }
 
-  /// The first of both stands for them.
+  /// Joins two sets; the smaller of their first numbers stands for them.
   int Join(int a, int b)
   {
     a = Find(a);
@@ -132,7 +133,7 @@ struct Components
   }
 };
 
-/// Of each number in the grid: how many faces it has to each other number.
+/// For each number in the grid, the number of its faces to each other number.
 std::vector<std::map<int, std::size_t>> FacesBetween(
   const vtkPalpateLabelGrid& grid, std::size_t numbers)
 {
@@ -155,7 +156,7 @@ std::vector<std::map<int, std::size_t>> FacesBetween(
   return faces;
 }
 
-/// Where nothing is touched, the number 0.
+/// The number that is touched most; 0 if nothing is touched.
 int Most(const std::map<int, std::size_t>& touched)
 {
   const auto most = std::max_element(touched.begin(), touched.end(),
@@ -163,7 +164,8 @@ int Most(const std::map<int, std::size_t>& touched)
   return most == touched.end() ? 0 : most->first;
 }
 
-/// Of the label that is touched most, the part that is so. @param touched By number of part.
+/// The part that is touched most, among those of the label that is touched most.
+/// @param touched The number of faces, by number of part.
 int MostOfLabel(
   const std::map<int, std::size_t>& touched, const std::vector<vtkPalpateLabelPart>& parts)
 {
@@ -344,7 +346,7 @@ private:
     return pairs;
   }
 
-  /// Which of these pairs touch in the image.
+  /// Finds out which of these pairs touch in the image.
   void FindTouching(const std::set<Pair>& pairs)
   {
     ForEachVoxel(this->Image,
@@ -412,7 +414,7 @@ private:
     return this->Shares.Of(this->Get(cube));
   }
 
-  /// @returns whether there is a part that it can have.
+  /// Gives a cube to another part. @returns Whether there is a part that it can have.
   bool GiveUp(const Voxel& cube)
   {
     if (!IsInside(this->Cubes, cube))
@@ -435,7 +437,8 @@ private:
     return true;
   }
 
-  /// Those that are neither too small nor nearer to another of their label than a cube.
+  /// Gives cubes to the parts that have vanished, unless they are too small, or nearer than a cube
+  /// to another part of their label.
   void KeepTheVanished()
   {
     const double voxelsOfCube = this->Step[0] * this->Step[1] * this->Step[2];
@@ -474,7 +477,8 @@ private:
     }
   }
 
-  /// @param cubes How many of its voxels are in each. @param volume Of the part, in cubes.
+  /// @param cubes The number of its voxels in each cube.
+  /// @param volume The volume of the part, in cubes.
   void Keep(int part, const std::map<Voxel, std::size_t>& cubes, double volume)
   {
     std::vector<std::pair<std::size_t, Voxel>> order;
@@ -537,7 +541,7 @@ vtkPalpateLabelParts vtkPalpateFindParts(vtkPalpateLabelGrid labels)
 {
   vtkPalpateLabelParts parts;
   Components components(labels, FaceSteps);
-  // What is neither body nor enclosed by it reaches the border of the image.
+  // Components that are neither part of the body nor enclosed by it reach the border of the image.
   std::vector<char> isOutside(static_cast<std::size_t>(components.Count), 0);
   ForEachVoxel(labels,
     [&](const Voxel& at)
@@ -569,7 +573,7 @@ vtkPalpateLabelParts vtkPalpateFindParts(vtkPalpateLabelGrid labels)
       vtkPalpateLabelPart& part = parts.Each[static_cast<std::size_t>(of)];
       part.Label = labels.Labels[here];
       part.Voxel = part.Count == 0 ? at : part.Voxel;
-      // Mean and sum of squares so far, by Welford.
+      // Welford's running mean and sum of squares.
       ++part.Count;
       for (int axis = 0; axis < 3; ++axis)
       {

@@ -15,13 +15,14 @@ namespace
 {
 using Vector = vtkVector3d;
 
-/// Shares of a cube. Beyond half a cube a wall could pass the middle of one.
+/// The largest displacement of a point, as a share of a cube. Beyond half a cube, a wall could pass
+/// the middle of a cube.
 constexpr double Bound = 0.45;
 /// A box in place of a cube stays within that of the middle of the cube: other walls are farther
 /// away than 1.5 - Bound, and middles of cubes are farther away than that.
 constexpr double BoxBound = 0.95;
 constexpr int VolumeIterations = 20;
-/// Of a part's volume; below this there is nothing to be corrected.
+/// The largest error of a part's volume that is not corrected, as a share of the volume.
 constexpr double VolumeTolerance = 1e-4;
 constexpr int Rounds = 8;
 constexpr int Projections = 5;
@@ -30,7 +31,7 @@ constexpr int Projections = 5;
 class Walls
 {
 public:
-  /// @param boxes Whether a cube alone becomes a box.
+  /// @param boxes Whether a single cube becomes a box.
   Walls(
     const vtkPalpateLabelGrid& grid, const vtkPalpateLabelParts& parts, double share, bool boxes)
     : Grid(grid)
@@ -74,7 +75,7 @@ public:
     }
   }
 
-  /// Two triangles a face, along its shorter diagonal.
+  /// Divides each face into two triangles, along its shorter diagonal.
   void Split()
   {
     this->Triangles.clear();
@@ -99,7 +100,7 @@ public:
     }
   }
 
-  /// Of each part, in cubes; that of 0 has no meaning.
+  /// The volume of each part, in cubes; the entry of 0 has no meaning.
   std::vector<double> Volumes() const
   {
     std::vector<double> volumes(this->Parts.Each.size(), 0);
@@ -176,8 +177,9 @@ public:
     }
   }
 
-  /// Points of triangles without an area or that cross each other keep this share of their way, and
-  /// go no farther from then on. @returns whether there were none.
+  /// Moves the points of triangles that have no area, or that cross each other, back to this share
+  /// of their way, beyond which they do not move from then on.
+  /// @returns Whether there were no such triangles.
   bool PutBack(const vtkPalpateSurface& surface, double share)
   {
     std::vector<char> wrong(this->Points.size(), 0);
@@ -310,7 +312,7 @@ private:
     return level;
   }
 
-  /// A square of corners for each pair of unlike cubes side by side.
+  /// Makes a square of corners for each pair of unlike cubes that share a face.
   void FindFaces(bool boxes)
   {
     const auto& size = this->Grid.Size;
@@ -409,7 +411,7 @@ private:
     }
   }
 
-  /// Whether the cubes around it are all of one other part.
+  /// Whether the cubes around a cube are all of one other part.
   bool IsAlone(const std::array<int, 3>& cube) const
   {
     const int own = this->Grid.At(cube[0], cube[1], cube[2]);
@@ -425,7 +427,8 @@ private:
     return alone;
   }
 
-  /// In cubes. @returns whether there is one that fits: the part is not in other cubes, too.
+  /// Finds the edges of the box in place of a cube, in cubes.
+  /// @returns Whether there is such a box: the part must not be in other cubes, too.
   bool BoxEdges(int number, std::array<double, 3>& edges) const
   {
     const vtkPalpateLabelPart& part = this->Parts.Each[static_cast<std::size_t>(number)];
@@ -448,7 +451,7 @@ private:
     return this->CubesOf[static_cast<std::size_t>(number)] == 1 && fits(edges[0]);
   }
 
-  /// As near to that of the part as the box may be.
+  /// The middle of the box, as near to that of the part as the box may be.
   Vector BoxMiddle(const std::array<int, 3>& cube, const std::array<double, 3>& edges) const
   {
     const vtkPalpateLabelPart& part =
@@ -464,8 +467,8 @@ private:
     return middle;
   }
 
-  /// Those that draw at a point: along the walls, or where walls of different labels meet, along
-  /// the curve of those; none at the ends of curves.
+  /// Finds the neighbours that a point is smoothed with: those along the walls, or where walls of
+  /// different labels meet, those along the curve of such points; none at the ends of curves.
   void FindNeighbours()
   {
     struct Edge
@@ -556,7 +559,8 @@ private:
   std::vector<std::array<vtkIdType, 4>> Faces;
   std::vector<std::array<int, 2>> FaceSides;
   std::vector<std::vector<int>> Neighbours;
-  /// The two parts that alone meet at a point; where others do, too, twice the same.
+  /// The two parts that meet at a point. If more than two meet there, the pair has the same part
+  /// twice.
   std::vector<std::array<int, 2>> Between;
   std::vector<std::array<vtkIdType, 3>> Triangles;
 };

@@ -31,7 +31,7 @@ namespace
 {
 using palpate::InputError;
 
-/// Size, spacing, origin and directions.
+/// Sets size, spacing, origin and directions.
 void Place(const vtkPalpateImageHeader& header, vtkImageData* image)
 {
   image->SetDimensions(header.Size.data());
@@ -93,7 +93,7 @@ void AddSegments(const std::vector<vtkPalpateSegment>& segments, const std::vect
   }
 }
 
-/// What of the segments is not in the labels; empty where all is.
+/// A text about the parts of the segments that are not in the labels; empty if all are.
 std::string TellLost(const std::vector<vtkPalpateSegment>& segments,
   const vtkPalpateJoinedSegments& joined, double voxel)
 {
@@ -186,7 +186,7 @@ int vtkPalpateSegmentationReader::RequestInformation(
   }
   catch (const std::exception&)
   {
-    // RequestData shall run, and say so.
+    // Let RequestData run, which reports the error.
     image.Header.Size = { 1, 1, 1 };
   }
   this->Segments->RemoveAllArrays();

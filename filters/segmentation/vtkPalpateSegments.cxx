@@ -41,7 +41,7 @@ std::size_t CountSegments(const vtkPalpateImageHeader& header)
   return count;
 }
 
-/// @param otherwise Where the file does not say.
+/// @param otherwise The value if the file has none.
 int WholeNumber(const vtkPalpateImageHeader& header, std::size_t segment, const std::string& name,
   int otherwise, int least, int most)
 {
@@ -90,7 +90,7 @@ std::array<double, 3> ColorOf(const vtkPalpateImageHeader& header, std::size_t s
 std::vector<vtkPalpateSegment> vtkPalpateFindSegments(const vtkPalpateImageHeader& header)
 {
   std::vector<vtkPalpateSegment> segments(CountSegments(header));
-  // Files of old have no layers: each segment is one.
+  // Old files have no layers: each segment is one.
   const bool layer_each = header.Components == static_cast<int>(segments.size());
   std::set<std::string> names;
   std::set<int> values;
@@ -143,7 +143,7 @@ vtkPalpateJoinedSegments vtkPalpateJoinSegments(const vtkPalpateImageFile& image
   joined.Voxels.resize(segments.size());
   joined.Lost.resize(segments.size());
   joined.Labels.resize(image.Header.Count());
-  // Neighbours are alike as a rule: the value before and its segment.
+  // The last value of each layer and its segment, since neighbours are mostly alike.
   std::vector<std::pair<int, int>> last(layers, { 0, none });
   for (std::size_t voxel = 0; voxel < joined.Labels.size(); ++voxel)
   {

@@ -6,7 +6,7 @@
 
 namespace
 {
-/// The one that a group of ranks can share.
+/// The name of the solver that a group of ranks can share.
 constexpr const char* GroupSolver = "MUMPS";
 }
 

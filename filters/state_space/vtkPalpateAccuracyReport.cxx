@@ -38,13 +38,14 @@ using palpate::AccuracyResult;
 using palpate::AccuracyRow;
 
 constexpr double PerCent = 100;
-/// That are in memory at the same time: of an anchor, of rest and of a step.
+/// The number of factors that are in memory at the same time: those of an anchor, of rest and of a
+/// step.
 constexpr int FactorsOfReport = 3;
-/// Of a test point beside a configuration, in time: the anchors are reached too, and are farther
-/// away than a neighbour.
+/// The time of a test point, in times of a configuration: the anchors are reached too, and are
+/// farther away than a neighbour.
 constexpr double TimeOfPoint = 2;
 
-/// Of all that a report depends on.
+/// The key of everything that a report depends on.
 std::string KeyOf(const palpate::TouchSpace& space, const palpate::AccuracyOptions& options)
 {
   palpate::ContentHash key;
@@ -139,8 +140,8 @@ void FillTable(const std::vector<AccuracyRow>& rows, bool ofNodes, vtkTable* tab
   integer("Failed", &AccuracyRow::failed);
 }
 
-/// For a chart of error against what it takes: a column of mean errors for each method, with
-/// nothing in the rows of the others, so that each is a line through its grids.
+/// Fills the table for a chart of error against cost. Each method has a column of mean errors, with
+/// nothing in the rows of other methods, so that it becomes a line through its grids.
 void FillChart(std::vector<AccuracyRow> rows, vtkTable* table)
 {
   table->Initialize();
@@ -279,7 +280,7 @@ int vtkPalpateAccuracyReport::RequestData(
   auto* points = vtkPolyData::GetData(outputVector, 1);
   auto* rowsOfNodes = vtkTable::GetData(outputVector, 2);
   auto* chart = vtkTable::GetData(outputVector, 3);
-  // Nobody else takes back the abort of an earlier run.
+  // Nobody else resets the abort of an earlier run.
   this->SetAbortExecute(0);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   const auto compute = [&](palpate::Communicator& communicator)
@@ -347,7 +348,7 @@ int vtkPalpateAccuracyReport::RequestData(
     this->LastChart->ShallowCopy(chart);
   };
 
-  // On several ranks ParaView executes anew for the second output. A failure is told once.
+  // On several ranks ParaView executes anew for the second output. A failure is reported once.
   const vtkMTimeType time =
     std::max(this->GetMTime(), vtkDataObject::GetData(inputVector[0])->GetMTime());
   const bool isTold = this->ErrorCode != 0 && time == this->ExecutedAt;

@@ -25,10 +25,10 @@ namespace
 {
 constexpr double Nothing = std::numeric_limits<double>::quiet_NaN();
 
-/// Active node, check-point.
+/// The key of a configuration: active node and check-point.
 using Key = std::tuple<palpate::Index, int, int, int>;
 
-/// Of the first levels: active node, check-point and error, one after the other.
+/// The errors at the first levels, as rows of active node, check-point and error.
 std::vector<double> Estimate(const palpate::TouchSpace& space)
 {
   std::vector<double> rows;

@@ -8,10 +8,10 @@
 
 namespace
 {
-/// Of the message of rank 0 that those that grow go on.
+/// The tag of rank 0's message that spaces which grow are to go on.
 constexpr int GoOnTag = 7403;
 
-/// Of this process those whose space grows: the same ones on every rank.
+/// The objects of this process whose space grows: the same ones on every rank.
 std::set<vtkObject*>& Growing()
 {
   static std::set<vtkObject*> objects;

@@ -37,8 +37,8 @@
 
 namespace
 {
-/// Of all that a state space depends on.
-/// @param region Of the tool; null: there is none.
+/// The key of everything that a state space depends on.
+/// @param region The region of the tool; null: there is none.
 std::string KeyOf(const palpate::Scene& scene, const palpate::PrecomputeOptions& options,
   vtkImplicitFunction* region)
 {
@@ -59,7 +59,8 @@ std::string KeyOf(const palpate::Scene& scene, const palpate::PrecomputeOptions&
     key.add(tool.points).add(tool.triangles);
     key.add(tool.law.thickness).add(tool.law.stiffness).add(tool.law.offset);
     key.add(spacing).add(shell.depth).add(shell.begin_at).add(most);
-    // A function is asked anywhere; what it says at some places does not tell it from others.
+    // A function may be evaluated anywhere, so that its values at some places do not tell it from
+    // others.
     key.add(region ? region->GetMTime() : vtkMTimeType(0));
   }
   return key.text();
@@ -96,7 +97,7 @@ bool CanBeKept(const palpate::PrecomputeOptions& options, const palpate::Communi
   return communicator.size() == 1 && !hasBoth;
 }
 
-/// Counts of the configurations that are not as they should be; empty when all are.
+/// A text that counts the configurations which are not as they should be; empty if all are.
 std::string Doubts(const palpate::PrecomputeReport& report)
 {
   std::string text;
@@ -342,7 +343,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
-  // Nobody else takes back the abort of an earlier run.
+  // Nobody else resets the abort of an earlier run.
   this->SetAbortExecute(0);
   const bool goesOn = vtkPalpateStopGrowing(this);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
@@ -368,7 +369,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       this->Options(vtkPalpateInput<vtkPolyData>(inputVector[1]), controller);
     if (!goesOn)
     {
-      // Of a space that goes on growing it was said before.
+      // For a space that goes on growing, this was reported before.
       options.expects = [this](const palpate::ExplorationEstimate& estimate)
       {
         const std::string text = ToText(estimate);
@@ -397,7 +398,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     palpate::PrecomputeResult result;
     if (this->UpdateInterval > 0 && CanBeKept(options, communicator))
     {
-      // After an error it is begun anew.
+      // After an error the exploration is begun anew.
       std::unique_ptr<Growth> growth = std::move(this->Kept);
       if (!growth || growth->Of != of || !fileIsThere)
       {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The way from data to a state space; that from a state space to data is in
-// vtkPalpateStateSpace.cxx.
+// Makes a state space from data. The reverse way is in vtkPalpateStateSpace.cxx.
 #include "vtkPalpateStateSpace.h"
 
 #include <algorithm>
@@ -103,7 +102,8 @@ void ReadSurface(vtkDataSet* data, TouchSpace& space)
   }
 }
 
-/// What reads the array of a figure of each of the items; ForEachDoubleArray or the like visits it.
+/// A visitor for ForEachDoubleArray and the like, which reads the array of a figure of each of the
+/// items.
 template <class Item>
 auto DoubleReader(vtkPointData* arrays, std::vector<Item>& all)
 {
@@ -188,7 +188,7 @@ std::string SceneHash(vtkDataSet* configurations)
   return hash && hash->GetNumberOfValues() > 0 ? hash->GetValue(0) : "";
 }
 
-/// @param surface What has the modes.
+/// @param surface The data that have the modes.
 void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space)
 {
   vtkPointData* arrays = data->GetPointData();
@@ -291,7 +291,7 @@ void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space
     [](const TouchToolSpace& a, const TouchToolSpace& b) { return a.setup.id < b.setup.id; });
 }
 
-/// Of the tool spaces that the space has.
+/// Reads the intermediate states of the tool spaces that the space has.
 void ReadIntermediateStates(vtkDataSet* data, TouchSpace& space)
 {
   vtkPointData* arrays = data->GetPointData();
@@ -355,7 +355,7 @@ bool HasContact(const vtkPalpatePieces& configurations, vtkMultiProcessControlle
   return has != 0;
 }
 
-/// @throws InputError they are pieces of different spaces.
+/// Checks that all pieces are of one space. @throws InputError they are pieces of different spaces.
 void ExpectOneSpace(const vtkPalpatePieces& configurations)
 {
   std::set<std::string> hashes;

@@ -85,7 +85,7 @@ void AddModes(const TouchSpace& space, const TouchToolSpace& toolSpace, vtkPoint
   }
 }
 
-/// @param space Loses its modes.
+/// @param space Its modes are moved away.
 vtkSmartPointer<vtkPolyData> SurfaceData(TouchSpace& space)
 {
   const palpate::Surface& surface = space.surface;
@@ -115,7 +115,8 @@ vtkSmartPointer<vtkPolyData> SurfaceData(TouchSpace& space)
   return data;
 }
 
-/// What makes an array of a figure of each of the items; ForEachDoubleArray or the like visits it.
+/// A visitor for ForEachDoubleArray and the like, which makes an array of a figure of each of the
+/// items.
 template <class Array, class Item>
 auto ArrayMaker(vtkPointData* arrays, const std::vector<const Item*>& all)
 {
@@ -141,7 +142,7 @@ void AddOutcomes(vtkPointData* arrays, const std::vector<const Item*>& all)
   }
 }
 
-/// The worst that is to be said of a configuration; names in plugin/Palpate/PalpateLooks.cxx.
+/// The worst fault of a configuration. The names are in plugin/Palpate/PalpateLooks.cxx.
 unsigned char SolveStatus(const ConfigurationSummary& c)
 {
   if (c.outcome != palpate::Outcome::converged)
@@ -231,7 +232,7 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   {
     coefficients = AddArray<vtkFloatArray>(arrays, "Coefficients", modes, count);
     gradients = AddArray<vtkFloatArray>(arrays, "CoefficientGradient", 3 * modes, count);
-    // Those that an active node does not have; a rigid tool has none.
+    // Modes that an active node does not have get the coefficient 0; a rigid tool has no modes.
     coefficients->Fill(0);
     gradients->Fill(0);
   }
@@ -366,7 +367,7 @@ void vtkPalpateNameBlocks(vtkPartitionedDataSetCollection* output, bool hasInter
 
 namespace
 {
-/// What the data of a space take, roughly, in bytes: arrays grow by doubling.
+/// The approximate memory of the data of a space, bytes: arrays grow by doubling.
 std::size_t DataBytes(const palpate::Scene& scene, const TouchSpace& space)
 {
   std::size_t bytes =

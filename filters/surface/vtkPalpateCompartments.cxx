@@ -17,7 +17,7 @@ using Copy = vtkPalpateWalls::Copy;
 using Side = vtkPalpateSurface::Side;
 using Triangle = std::array<vtkIdType, 3>;
 
-/// A side of a triangle of the walls.
+/// The number of a side of a triangle of the walls.
 vtkIdType Half(vtkIdType triangle, bool front)
 {
   return 2 * triangle + (front ? 1 : 0);
@@ -50,8 +50,8 @@ private:
   std::vector<vtkIdType> Parent;
 };
 
-/// The triangles around an edge, in the sense in which one turns from them by their normals where
-/// they run from the lower end to the higher one.
+/// The triangles around an edge, sorted by angle. The sense of rotation is that of the normal of a
+/// triangle which goes from the lower end of the edge to the higher one.
 class Fan
 {
 public:
@@ -151,7 +151,7 @@ std::vector<int> FindBoundaries(const vtkPalpateSurface& surface, int& count)
   return boundary;
 }
 
-/// Of the triangle and the point about which all volumes are measured, m³.
+/// The volume of the tetrahedron of a triangle and the point to which all volumes refer, m³.
 double VolumeOf(const vtkPalpateSurface& surface, vtkIdType triangle)
 {
   const auto& origin = surface.Points[surface.Triangles[0][0]];
@@ -309,7 +309,7 @@ private:
       {
         const double volume = vtkPalpateVolume(Result.Boundary[i]);
         const bool smaller = Around[part] == Compartments::Outside || volume < least;
-        // Any level between 0 (outside) and 1 (inside).
+        // The level may be any one between 0 (outside) and 1 (inside).
         if (Result.Part[i] != part && smaller && vtkPalpateIsInside(bounds[i], probe) &&
           vtkPalpateWindingNumber(Result.Boundary[i], probe) > 0.5)
         {
@@ -363,7 +363,7 @@ private:
     return senses;
   }
 
-  /// Which compartments hold tissue, from the outside inwards.
+  /// Finds the compartments that hold tissue, from the outside inwards.
   void FindFilled()
   {
     const auto of_tissue = this->SensesOfTissues();
@@ -449,7 +449,7 @@ private:
     }
   }
 
-  /// How much of a compartment's outer boundary a tissue has.
+  /// The share of a tissue in a compartment's outer boundary.
   struct Share
   {
     std::set<vtkIdType> Outwards, All; ///< triangles, and those with normals out of it
@@ -534,7 +534,7 @@ private:
     }
     if (some.empty())
     {
-      // The surface is inside out where it is no one else's wall.
+      // The surface is inside out if no other tissue has this wall.
       const auto found = std::find_if(shares.begin(), shares.end(),
         [whole](const auto& entry) { return entry.second.All.size() == whole; });
       return found != shares.end() ? found->first : largest;

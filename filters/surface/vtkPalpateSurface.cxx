@@ -196,7 +196,8 @@ vtkPalpateSurface FromTriangles(vtkPolyData* triangles)
   return surface;
 }
 
-/// Without the points that no triangle uses: they may lie anywhere and would spoil the tolerance.
+/// The surface without the points that no triangle uses: they may lie anywhere, and would spoil the
+/// tolerance.
 vtkPalpateSurface WithoutLoosePoints(const vtkPalpateSurface& surface)
 {
   std::vector<vtkIdType> all(surface.Triangles.size());
@@ -207,8 +208,8 @@ vtkPalpateSurface WithoutLoosePoints(const vtkPalpateSurface& surface)
 /// A coordinate in single precision is off by this fraction of itself.
 constexpr double SingleRounding = 6e-8;
 
-/// Within which points are one, m. Coordinates that single precision holds without a rest come
-/// from a file in that precision, and are off by the more the larger they are.
+/// The distance within which points become one, m. Coordinates that are exact in single precision
+/// come from a file in that precision, and their rounding errors grow with their size.
 double MergeDistance(const vtkPalpateSurface& surface)
 {
   double largest = 0;
@@ -290,7 +291,8 @@ double vtkPalpateVolume(const vtkPalpateSurface& surface)
   {
     return 0;
   }
-  // About a point of the surface, so that a body far from the origin keeps its digits.
+  // Volumes are measured from a point of the surface, so that a body far from the origin keeps its
+  // digits.
   const auto origin = surface.Points[surface.Triangles[0][0]];
   double volume = 0;
   for (const auto& t : surface.Triangles)

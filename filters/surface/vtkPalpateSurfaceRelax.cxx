@@ -14,7 +14,7 @@ namespace
 {
 using Side = vtkPalpateSurface::Side;
 
-/// Measured on organs: most of the gain is had by then, and less of the sharp rims is lost.
+/// As measured on organs, most of the gain is reached by then, and less of the sharp rims is lost.
 constexpr int Rounds = 5;
 /// An edge is turned only where it is no feature: cosine of the angle between the normals.
 constexpr double LeastCosine = 0.9;

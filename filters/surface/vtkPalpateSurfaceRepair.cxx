@@ -24,7 +24,7 @@ namespace
 /// loose pieces, and a lid on each would flatten it.
 constexpr double GreatestLid = 0.75;
 
-/// What was done, joined by semicolons.
+/// The steps that were done, joined by semicolons.
 class Report
 {
 public:
@@ -63,9 +63,9 @@ vtkPalpateSurface SurfacesOf(const vtkPalpateWalls& walls)
   return surfaces;
 }
 
-/// Of copies of one wall each tissue keeps one of either sense. Of walls with the same on both
-/// sides none stays where as many copies face either way.
-/// @returns how many triangles were removed.
+/// Among the copies of one wall, each tissue keeps one of either orientation. A wall with the same
+/// compartment on both sides is removed if as many copies face either way.
+/// @returns The number of removed triangles.
 vtkIdType RemoveDoubledTriangles(vtkPalpateWalls& walls)
 {
   const auto compartments = vtkPalpateFindCompartments(walls);
@@ -102,7 +102,7 @@ vtkIdType FillHoles(vtkPalpateWalls& walls)
   fill->SetInputData(vtkPalpateSurfaceToPolyData(surface));
   fill->SetHoleSize(VTK_DOUBLE_MAX);
   fill->Update();
-  // What it adds comes after what there was, on the same points.
+  // The filter adds its triangles after the existing ones, on the same points.
   auto filled = surface;
   vtkNew<vtkIdList> corners;
   vtkCellArray* polygons = fill->GetOutput()->GetPolys();
@@ -334,7 +334,7 @@ vtkPalpateSurface ResampleFaulty(const vtkPalpateWalls& walls,
   return result;
 }
 
-/// What is wrong with a surface whose walls may be shared.
+/// The faults of a surface whose walls may be shared.
 vtkPalpateSurfaceFaults FaultsOf(const vtkPalpateSurface& surfaces)
 {
   const auto walls = vtkPalpateUniteWalls(surfaces);
@@ -377,7 +377,7 @@ vtkPalpateRepairedSurface vtkPalpateRepairSurface(
     const bool comparable = faults.OpenEdges.empty();
     const auto triangles_before = result.Triangles.size();
     const auto faulty = result;
-    // A surface that is open still can only be judged as a whole.
+    // A surface that is still open can only be judged as a whole.
     bool whole = options.ResampleAll || !faults.OpenEdges.empty();
     if (!whole)
     {

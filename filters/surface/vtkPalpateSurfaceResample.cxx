@@ -206,8 +206,8 @@ vtkSmartPointer<vtkImageData> SignedDistance(
   return image;
 }
 
-/// Without what is smaller than a grid cell: splinters of the places where the surface crossed
-/// itself.
+/// The surface without pieces that are smaller than a grid cell: splinters from places where the
+/// surface crossed itself.
 vtkPalpateSurface WithoutSpecks(const vtkPalpateSurface& surface)
 {
   int count = 0;
@@ -229,7 +229,8 @@ vtkPalpateSurface WithoutSpecks(const vtkPalpateSurface& surface)
   return vtkPalpateSubset(surface, kept);
 }
 
-/// Better shaped, if that leaves it without faults or makes it so. @returns whether it has none.
+/// Improves the shape of the triangles, if the surface then has no faults.
+/// @returns Whether it has none.
 bool Relax(vtkPalpateSurface& surface, const vtkPalpateSurface& shape)
 {
   auto faults = vtkPalpateCheckSurface(surface);
@@ -261,7 +262,8 @@ vtkPalpateSurface Decimated(vtkPolyData* surface, double wanted, bool regular)
   return vtkPalpateSurfaceFromPolyData(decimate->GetOutput());
 }
 
-/// About so many well-shaped triangles; more where fewer do not make a good surface.
+/// The surface with about so many well-shaped triangles; with more if fewer do not make a good
+/// surface.
 vtkPalpateSurface Thinned(
   const vtkPalpateSurface& surface, vtkIdType wanted, const vtkPalpateShareDone& progress)
 {

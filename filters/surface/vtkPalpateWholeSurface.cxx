@@ -38,7 +38,7 @@ constexpr const char* SlotArray = "PalpateSlot";
 constexpr const char* ValueArray = "PalpateValue";
 constexpr const char* ErrorArray = "PalpateError";
 
-/// Only what counts: points, polygons and strips that no other rank owns.
+/// The points, polygons and strips that no other rank owns.
 vtkSmartPointer<vtkPolyData> OwnPiece(vtkPolyData* input)
 {
   auto piece = vtkSmartPointer<vtkPolyData>::New();
@@ -261,7 +261,7 @@ std::vector<int> IndexValues(vtkPolyData* surface, vtkDataArray* values, const s
   return numbers;
 }
 
-/// What rank 0 makes of the pieces of all ranks.
+/// Makes the surfaces on rank 0 from the pieces of all ranks.
 vtkPalpateTissueSurfaces TissuesOf(
   vtkPolyData* surface, const std::vector<Slot>& slots, const std::string& array)
 {

@@ -49,9 +49,9 @@ enum ContactStatus
   Attached = 3,
   Pressing = 4
 };
-/// Of palpate::Contact.
+/// The largest number of nodes of a palpate::Contact.
 constexpr int MostNodes = 3;
-/// What is shown of a tick.
+/// The values of a tick that are shown.
 struct Frame
 {
   double Time = 0;
@@ -68,7 +68,7 @@ struct Frame
 class Recording
 {
 public:
-  /// @throws palpate::InputError it cannot be read, or is none.
+  /// @throws palpate::InputError the file cannot be read, or is no recording.
   explicit Recording(const std::string& fileName)
     : FileName(fileName)
   {
@@ -142,7 +142,7 @@ public:
     }
   }
 
-  /// The last tick that is not later, s from the first.
+  /// The last tick that is not later than a time, s from the first tick.
   [[nodiscard]] Frame At(double time) const
   {
     const double* times = this->Times->GetPointer(0);
@@ -192,7 +192,7 @@ private:
   {
     return "In row " + std::to_string(i + 1) + " of " + this->FileName + " the number in " + name;
   }
-  /// @throws palpate::InputError it is not finite.
+  /// @throws palpate::InputError the number is not finite.
   [[nodiscard]] double Number(const std::string& name, vtkIdType i) const
   {
     const double number = this->Column(name)->GetValue(i);
@@ -202,7 +202,7 @@ private:
     }
     return number;
   }
-  /// @throws palpate::InputError it is none that a recording has.
+  /// @throws palpate::InputError the number is not one that a recording has.
   [[nodiscard]] vtkIdType Integer(const std::string& name, vtkIdType i) const
   {
     const double number = this->Number(name, i);
@@ -275,9 +275,9 @@ struct vtkPalpateReplayTouch::Replay
 {
   std::string FileName;
   std::filesystem::file_time_type Written;
-  /// On rank 0.
+  /// The recording, on rank 0.
   std::unique_ptr<Recording> Recorded;
-  /// On every rank, s from the first tick.
+  /// The times of the ticks, on every rank, s from the first tick.
   std::vector<double> TickTimes;
 
   vtkMTimeType InputTime = 0;
@@ -382,7 +382,7 @@ struct vtkPalpateReplayTouch::Replay
         total->Fill(0);
         output->ShallowCopy(touched);
         output->GetFieldData()->Initialize();
-        // At rest.
+        // The points at rest.
         vtkNew<vtkPoints> points;
         for (vtkIdType p = 0; p < touched->GetNumberOfPoints(); ++p)
         {
@@ -468,7 +468,7 @@ int vtkPalpateReplayTouch::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   std::vector<double> times;
-  // The execution says what is wrong.
+  // The execution reports what is wrong.
   vtkPalpateGuard(nullptr,
     [&]
     {

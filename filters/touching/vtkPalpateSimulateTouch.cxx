@@ -90,12 +90,12 @@ struct vtkPalpateSimulateTouch::Run
   /// Null where the body was one that a filter before could not make.
   vtkSmartPointer<vtkUnstructuredGrid> Body;
   vtkPalpateReducedModel Reduced;
-  /// Of each frame: the coordinates y, and the step that leads to it.
+  /// The coordinates y of each frame, and the step that leads to it.
   std::vector<Eigen::VectorXd> Frames;
   std::vector<std::size_t> StepOfFrame;
   std::vector<Step> Steps;
   vtkSmartPointer<vtkTable> History;
-  /// It was not aborted.
+  /// Whether the run was not aborted.
   bool IsComplete = true;
 };
 
@@ -115,7 +115,7 @@ int vtkPalpateSimulateTouch::FillInputPortInformation(int port, vtkInformation* 
   vtkPalpateTakeWhole(info, port == BodyPort ? "vtkUnstructuredGrid" : "vtkTable");
   if (port == PathPort)
   {
-    // So that ParaView's panel asks for it, and no dialog before.
+    // The input is optional, so that ParaView's panel asks for it, and no dialog before.
     info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
   }
   return 1;
@@ -155,7 +155,8 @@ int vtkPalpateSimulateTouch::RequestData(
     {
       const auto compute = [&]
       {
-        // A request that ended the run before is not for this one, and nobody else takes it back.
+        // A request that has ended an earlier run is not meant for this one, and nobody else resets
+        // it.
         this->SetAbortExecute(0);
         vtkPalpateCheckTimes(this->EndTime, this->FrameRate, this->TimeStep);
         auto run = std::make_unique<Run>();

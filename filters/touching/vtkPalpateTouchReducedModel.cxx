@@ -38,7 +38,7 @@ struct vtkPalpateTouchReducedModel::Prepared
   vtkNew<vtkCellArray> Triangles;
   /// (Φ, L) of the points of the surface [3 points × coordinates].
   Eigen::MatrixXf Basis;
-  /// What they count from [3 points], m.
+  /// The displacement at rest from which the coordinates count [3 points], m.
   Eigen::VectorXf Rest;
 
   void Take(const vtkSmartPointer<vtkUnstructuredGrid>& body)

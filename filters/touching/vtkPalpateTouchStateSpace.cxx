@@ -49,7 +49,8 @@ using palpate::Index;
 using palpate::TouchSpace;
 using palpate::TouchToolSpace;
 
-/// @throws palpate::InputError the node is not in the space; it says which are.
+/// The tool space of a node.
+/// @throws palpate::InputError the node is not in the space: the message says which nodes are.
 const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node)
 {
   if (space.tool_spaces.empty())
@@ -122,7 +123,7 @@ Eigen::VectorXf BySurfaceModes(
   return u;
 }
 
-/// What takes more than the surface.
+/// The parts that need more than the surface.
 struct WholeBodyOf
 {
   explicit WholeBodyOf(const TouchSpace& space)
@@ -146,13 +147,13 @@ struct WholeBodyOf
   palpate::FieldCache Fields;
   palpate::Scene Scene;
   vtkSmartPointer<vtkUnstructuredGrid> Rest;
-  /// Of the tool that presses, and its tool space.
+  /// The contact of the tool that presses, and its tool space.
   std::optional<palpate::RigidContact> Contact;
   palpate::ToolSpaceId ContactSpace = 0;
-  /// Made when stress is first asked for.
+  /// The assembly, which is made when stress is first asked for.
   std::optional<palpate::Assembly> Assembly;
-  /// Where it is displaced to from rest: of every point [3 x points], m, and of mixed cells their
-  /// pressures, Pa.
+  /// The displacement of every point from rest [3 x points], m, and the pressures of mixed cells,
+  /// Pa.
   palpate::NodalVector Displacement;
   palpate::NodalVector Pressure;
 
@@ -189,12 +190,12 @@ struct vtkPalpateTouchStateSpace::Prepared
   };
   std::map<vtkIdType, palpate::SolutionBranches> BranchesOfNode;
   std::map<std::pair<vtkIdType, int>, Branch> Branches;
-  /// Which of the branches was asked for.
+  /// The branch that was asked for: its node and its number.
   vtkIdType Node = -1;
   int OnBranch = 0;
-  /// As long as it is asked for.
+  /// The whole body, as long as it is asked for.
   std::unique_ptr<WholeBodyOf> Whole;
-  /// Why there is none, as told.
+  /// The reason why there is no whole body, as it was reported.
   std::string Problem;
 
   /// The branch that the body is on when the node has come to t.
@@ -225,7 +226,7 @@ struct vtkPalpateTouchStateSpace::Prepared
     return this->Branches[{ this->Node, this->OnBranch }];
   }
 
-  /// What of the tool space is on a branch; its parts hold all they need of it.
+  /// The part of the tool space that is on a branch.
   [[nodiscard]] TouchToolSpace SiteOnBranch(const TouchToolSpace& toolSpace, int branch) const
   {
     return palpate::restricted(
@@ -411,7 +412,8 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   {
     this->Cache->Whole.reset();
   }
-  // What is touched goes on without; at many frames a second it is told once.
+  // Touching goes on without this part. As there are many frames a second, the failure is reported
+  // once.
   const auto tryWith = [&](auto&& part)
   {
     try

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the voxels of an image lie.
+// The frame of an image: where its voxels lie.
 #pragma once
 
 #include <array>
@@ -19,18 +19,18 @@ struct Frame
   std::array<Vector, Dimension> Axes{};
 };
 
-/// What a header says by that name; empty: nothing.
+/// The text of a header's entry; empty: there is none.
 std::string StringOf(const itk::MetaDataDictionary& dictionary, const std::string& key);
 
-/// As ITK has read it.
+/// The frame as ITK has read it.
 Frame FrameOf(const itk::ImageIOBase& io);
 
-/// As the sform of a NIfTI file has it, where it is what counts: some versions of ITK straighten a
-/// matrix that shears, without a word.
+/// The frame of a NIfTI file's sform, if that one is valid for the file. Some versions of ITK
+/// straighten a matrix with a shear, without a warning.
 std::optional<Frame> SformOf(const itk::MetaDataDictionary& dictionary);
 
 /// ITK gives the voxels of a NIfTI file in mm, but leaves its origin in the unit of the file.
 void RescaleOrigin(const itk::MetaDataDictionary& dictionary, Frame& frame);
 
-/// @throws std::runtime_error the frame is none of an image.
+/// Checks a frame. @throws std::runtime_error it cannot be the frame of an image.
 void CheckFrame(const Frame& frame);

@@ -8,7 +8,7 @@
 
 #include "image/frame.h"
 
-/// What leads from a space of NRRD to LPS; of others nobody knows.
+/// The signs that lead from a space of NRRD to LPS; nothing for a space of unknown axes.
 std::optional<Vector> ToLps(int space);
 
 /// What NRRD says in its header and ITK does not tell, or tells otherwise: it turns what is in LAS

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the programs that a filter starts end with where they fail, besides the codes of what they
+// The exit codes of the programs that a filter starts, besides those of the libraries that they
 // call (sysexits.h has the same numbers).
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the programs that a filter starts do first.
+// The first step of the programs that a filter starts.
 #pragma once
 
 #include <sys/prctl.h>
@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <csignal>
 
-/// The program shall not outlive the one that started it, nor leave a core file, nor take the
-/// memory that the rest of the machine lives on.
+/// Makes sure that the program does not outlive the one that started it, leaves no core file, and
+/// does not take memory that the rest of the machine needs.
 inline void LimitProcess()
 {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
