@@ -38,7 +38,7 @@ struct Kind
   vtkIdType Corners;
 };
 
-/// Those of Lagrange's kind are linear where they have no point but their corners.
+/// The types that can be cut. Lagrange's cells are linear if they have no points but their corners.
 constexpr Kind Kinds[] = { { VTK_TETRA, VTK_TETRA, 4 }, { VTK_QUADRATIC_TETRA, VTK_TETRA, 4 },
   { VTK_LAGRANGE_TETRAHEDRON, VTK_TETRA, 4 }, { VTK_VOXEL, VTK_VOXEL, 8 },
   { VTK_HEXAHEDRON, VTK_HEXAHEDRON, 8 }, { VTK_QUADRATIC_HEXAHEDRON, VTK_HEXAHEDRON, 8 },

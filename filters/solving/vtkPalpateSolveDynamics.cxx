@@ -151,7 +151,7 @@ struct vtkPalpateSolveDynamics::Run
   /// On rank 0 alone; null where the body was one that a filter before could not make.
   vtkSmartPointer<vtkUnstructuredGrid> Body;
   std::vector<palpate::RigidContact> Contacts;
-  /// Of the body where these press, Pa, and the order of its cells.
+  /// The modulus of the body where the tools press, Pa, and the order of its cells.
   double ContactModulus = 0;
   palpate::ElementOrder Order{};
   std::unique_ptr<vtkPalpateFrames> Frames;

@@ -81,8 +81,8 @@ std::string ToText(const palpate::ExplorationEstimate& estimate)
     vtkPalpateTellBytes(estimate.file_bytes) + " of disk until it is complete, if there is a file.";
 }
 
-/// Of the window itself between two executions of a space that grows. It asks every second, and for
-/// what it has not asked meanwhile at once.
+/// The time that the window has for itself between two executions of a space that grows. It asks
+/// every second, and makes up at once for questions that it could not ask meanwhile.
 constexpr std::chrono::seconds TimeForWindow(1);
 
 /// Check-points along an axis that a space with a tolerance begins with: the fewest that its errors

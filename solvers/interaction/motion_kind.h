@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a rigid tool that is stored (rigid_tool.h) is moved: what its numbers mean for each kind of
-// motion, which makes the map from coordinates to poses (pose_map.h).
+// The meaning of the numbers of a stored tool's motion (rigid_tool.h), for each kind of motion. A
+// kind makes the map from coordinates to poses (pose_map.h).
 #pragma once
 
 #include <memory>
@@ -26,8 +26,7 @@ class MotionKind {
   MotionKind() = default;
 };
 
-/// The kind of a number.
-/// @throws InputError there is none.
+/// The kind with a number. @throws InputError there is none.
 [[nodiscard]] const MotionKind& motion_kind(ToolMotion number);
 
 /// Adds a kind for as long as the program runs. Call this before any tool is moved so.

@@ -32,11 +32,12 @@
 namespace palpate {
 
 struct Capsule {
-  /// m.
+  /// The radius R, m.
   double radius = 0;
-  /// Of the segment, m: the whole tool is longer by twice the radius. 0 makes a sphere.
+  /// The length L of the segment, m: the whole tool is longer by twice the radius. 0 makes a
+  /// sphere.
   double length = 0;
-  /// Along the segment, of any length but zero.
+  /// The direction of the segment, of any length but zero.
   Vec3 axis = Vec3::UnitZ();
   /// The width of the smooth seam between cylinder and cap, as a share of the radius.
   double seam = 1;
@@ -45,7 +46,7 @@ struct Capsule {
 /// @throws InputError the radius is not positive, or not finite.
 [[nodiscard]] RigidShapePtr make_sphere(double radius);
 
-/// @throws InputError a length or the axis is not what it says above, or not finite.
+/// @throws InputError a length or the axis is out of its range, or not finite.
 [[nodiscard]] RigidShapePtr make_capsule(const Capsule& capsule);
 
 }  // namespace palpate

@@ -9,10 +9,10 @@
 //
 // over the surface at rest.
 //
-// What is left of the law's layer, e = δ − o − 5/6 ∫ h p dA / ∫ p dA with h = δ − g, makes the tool
-// feel as if it were deeper by e than it is. The factor makes that mean the one that belongs to the
-// force: with Hertz's pressure, by the principle of complementary energy, it is
-// δ − o − ¾ δ (p₀/κ)^{1/3}.
+// The part of the law's layer that is left, e = δ − o − 5/6 ∫ h p dA / ∫ p dA with h = δ − g, makes
+// the tool feel as if it were deeper by e than it is. The factor makes that mean the one that
+// belongs to the force: with Hertz's pressure, by the principle of complementary energy, it is δ −
+// o − ¾ δ (p₀/κ)^{1/3}.
 //
 // The far side of a thin lobe may lie in the layer too, or in the tool. It is told apart by which
 // way it looks: with c = −m·∇d, m the normal of the face at rest in the tool's axes, s is 1 where
@@ -59,7 +59,7 @@ class RigidContact final : public Interaction {
 
   /// What a tool at q touches.
   struct Patch {
-    /// Of each point of the mesh, the pressure, Pa: the mean of the surface around it.
+    /// The pressure at each point of the mesh, Pa: the mean over the surface around it.
     std::vector<double> pressure;
     /// The area at rest on which there is pressure, m².
     double area = 0;
@@ -80,7 +80,7 @@ class RigidContact final : public Interaction {
     Mat3 by_ym = Mat3::Zero();
     Mat3 by_mm = Mat3::Zero();
   };
-  /// @returns false where it is zero.
+  /// @returns False where φ is zero.
   bool evaluate(const Vec3& y, const Vec3& m, bool with_hessian, Point& point) const;
   /// Calls visit(face, number of the point, y, φ) for each point of integration where φ is not
   /// zero.
@@ -95,9 +95,9 @@ class RigidContact final : public Interaction {
   double longest_step_;
 };
 
-/// What of a force is the error of the layer, N; positive: the tool feels it stronger than a hard
-/// one. With the stiffness k along the force F, a sphere of which Hertz's law F ~ d^{3/2} holds is
-/// at the depth d = 3/2 F/k, of which e is too much.
+/// The part of a force that is the error of the layer, N; positive: the force is larger than with a
+/// hard tool. With the stiffness k along the force F, a sphere of which Hertz's law F ~ d^{3/2}
+/// holds is at the depth d = 3/2 F/k, of which e is too much.
 /// @param layer_depth e, see RigidContact::Patch.
 /// @param stiffness Derivative of the force by the place of the tool, N/m.
 /// @returns NaN where the tool has no stiffness along the force, as where it slides off.

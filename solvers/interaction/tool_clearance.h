@@ -98,14 +98,14 @@ class ToolClearance {
   }
 
   RigidShapePtr shape_;
-  /// Of the tool, wherever it is.
+  /// The rotation of the tool, the same at all places.
   Mat3 rotation_;
   std::shared_ptr<const ContactSurface> surface_;
   /// The reach of the layer of contact and twice the error of the shape, m: what the shape
   /// gives for two places differs by no more than their distance and that.
   double margin_;
   SurfaceTree body_;
-  /// Those of the shape, in the axes of the scene.
+  /// The balls of the shape, in the axes of the scene.
   std::vector<RigidShape::Ball> balls_;
   /// Whether the tool is larger than the body.
   bool is_large_;

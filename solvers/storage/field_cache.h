@@ -52,12 +52,13 @@ class FieldCache : public FieldSource {
   std::filesystem::path path_;
   std::string scene_hash_;
   std::size_t most_bytes_;
-  /// Of the entries, without the bases.
+  /// The memory of the entries, without the bases, bytes.
   std::size_t entry_bytes_ = 0;
   std::uint64_t uses_ = 0;
   std::map<StateKey, Entry> entries_;
   StateSpaceFile::Known known_;
-  /// As kept_points(); empty until something is read. All: the number of points is theirs.
+  /// The results of kept_points(); empty until something is read. The entry of Keep::all gives the
+  /// number of points.
   std::map<Keep, std::vector<Index>> points_;
   SettledBody settled_;
 };

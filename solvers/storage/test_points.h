@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The equilibria beside the configurations: the table test_point. A set needs no tool space.
+// The table test_point: equilibria beside the configurations. A set of them needs no tool space.
 #pragma once
 
 #include <vector>
@@ -20,9 +20,10 @@ class TestPoints {
   void add(const TestSet& set, const TestPoint& point);
   /// The test points of a set, in the order of operator<.
   [[nodiscard]] std::vector<TestPoint> read(const TestSet& set) const;
-  /// The sets of which there are points, of a body.
+  /// The sets of a body that have points.
   [[nodiscard]] std::vector<TestSet> list_sets(BodyId body) const;
-  /// Takes over those of another file of a body. @param there Which body it is there.
+  /// Takes over the test points that another file has of a body.
+  /// @param there The number of the body in that file.
   void merge(BodyId body, const TestPoints& other, BodyId there);
 
  private:

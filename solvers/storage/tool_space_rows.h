@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A table whose rows belong to tool spaces and lie at check-points: how its rows are found, and
-// read though a part of them is damaged.
+// A table whose rows belong to tool spaces and lie at check-points. Its sound rows are found and
+// read also if others are damaged.
 #pragma once
 
 #include <cstdint>
@@ -19,15 +19,15 @@ class ToolSpaceRows {
  protected:
   using Statement = sqlite::Statement;
 
-  /// @param name That of the table.
+  /// @param name The name of the table.
   ToolSpaceRows(Connection& connection, const ToolSpaces& tool_spaces, const std::string& name)
       : connection_(connection), tool_spaces_(tool_spaces), table_(name) {}
   ~ToolSpaceRows() = default;
 
   /// Reads the sound rows of a tool space, in the order of the key; others are left out.
-  /// @param columns That are read. @param condition On the row, in SQL.
-  /// @param take Takes them from the statement, and tells whether the row is sound.
-  /// @param describe What a record is called, for a message.
+  /// @param columns The columns that are read. @param condition A condition on the row, in SQL.
+  /// @param take Takes the columns from the statement, and returns whether the row is sound.
+  /// @param describe Gives the name of a record, for a message.
   template <class Record, class Take, class Describe>
   [[nodiscard]] std::vector<Record> read_rows(const ToolSpaceKey& key, const std::string& columns,
                                               const std::string& condition, const Take& take,
@@ -66,7 +66,7 @@ class ToolSpaceRows {
   Table table_;
 
  private:
-  /// " WHERE …", of the rows of a tool space.
+  /// The condition " WHERE …" for the rows of a tool space.
   [[nodiscard]] static std::string of_space(const std::string& condition);
   /// The columns of the key after those of the tool space, each with a direction.
   [[nodiscard]] std::string order(const std::string& direction) const;

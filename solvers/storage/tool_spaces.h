@@ -20,43 +20,45 @@ class ToolSpaces {
  public:
   ToolSpaces(Connection& connection, const Bodies& bodies);
 
-  /// @throws InputError it cannot be stored.
+  /// Checks a tool space. @throws InputError it cannot be stored.
   void check(const ToolSpaceSetup& setup) const;
   /// Adds a tool space that is not there.
   /// @throws InputError there would be more check-points than a state space may have.
   void add(const ToolSpaceSetup& setup);
-  /// Writes a tool space in place of what is there.
+  /// Writes a tool space, in place of the one with its key.
   void write(const ToolSpace& space);
   void set_complete(const ToolSpaceKey& key, bool complete);
 
-  /// Those of a body in the order of their numbers, without configurations.
+  /// The tool spaces of a body in the order of their numbers, without configurations.
   [[nodiscard]] std::vector<ToolSpace> read(BodyId body) const;
-  /// Those of all bodies.
+  /// The tool spaces of all bodies.
   [[nodiscard]] const std::vector<ToolSpace>& read_all() const;
   [[nodiscard]] std::optional<ToolSpace> find(const ToolSpaceKey& key) const;
-  /// What it is called in a message.
+  /// The name of a tool space, for a message.
   [[nodiscard]] std::string name_of(const ToolSpaceKey& key) const;
 
-  /// Reads what a conversion of the file writes again: all.
+  /// Reads all tool spaces.
+  /// @returns A function that writes them again, after the schema of the file was converted.
   [[nodiscard]] std::function<void()> read_for_conversion();
   /// Forgets what was read.
   void forget() const { known_.reset(); }
 
  private:
-  /// Of the layer of a rigid tool, m.
+  /// The offset of the contact layer of a rigid tool, m.
   [[nodiscard]] double contact_offset(const ToolSpaceKey& key) const;
   void read_into(BodyId body, std::vector<ToolSpace>& tool_spaces) const;
 
   Connection& connection_;
   const Bodies& bodies_;
   Table table_{"tool_space"};
-  /// Of all bodies; nothing: they were not read yet, or have changed since.
+  /// The tool spaces of all bodies; nothing: they were not read yet, or have changed since.
   mutable std::optional<std::vector<ToolSpace>> known_;
   mutable bool is_tentative_ = false;
 };
 
-/// @throws InputError the tool space that is there is of no use for what is asked for.
-/// @param path Of the file that holds it.
+/// Checks that a stored tool space can be extended to the one that is asked for.
+/// @throws InputError it cannot.
+/// @param path The file that holds it.
 void require_extension(const std::filesystem::path& path, const ToolSpaceSetup& there,
                        const ToolSpaceSetup& asked);
 
