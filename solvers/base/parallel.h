@@ -68,10 +68,10 @@ void run_parts(Index num_parts, Team::RunPart run_part, void* loop);
 /// Calls f(part) for each part, 0 … num_parts − 1.
 template <class F>
 void for_each_part(Index num_parts, F&& f) {
-  using Loop = std::remove_reference_t<F>;
+  using Function = std::remove_reference_t<F>;
   if (num_parts == 1) return f(Index{0});
   run_parts(
-      num_parts, [](void* loop, Index part) { (*static_cast<Loop*>(loop))(part); },
+      num_parts, [](void* loop, Index part) { (*static_cast<Function*>(loop))(part); },
       const_cast<void*>(static_cast<const void*>(std::addressof(f))));
 }
 
