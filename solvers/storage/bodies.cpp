@@ -296,7 +296,6 @@ Index Bodies::num_pressures(BodyId body) const {
 const SettledBody& Bodies::settled(BodyId body) const {
   std::optional<SettledBody>& settled = read_[body].settled;
   if (settled) return *settled;
-  settled.emplace();
   Scene scene;
   const Database& database = connection_.database();
   if (has_table(database, kBodyForce)) {
@@ -310,11 +309,10 @@ const SettledBody& Bodies::settled(BodyId body) const {
 
 const std::vector<Index>& Bodies::points_of(BodyId body, Keep keep) const {
   Read& of_body = read_[body];
-  const auto [found, is_new] = of_body.points.try_emplace(keep);
-  if (!is_new) return found->second;
+  const auto found = of_body.points.find(keep);
+  if (found != of_body.points.end()) return found->second;
   if (!of_body.mesh) of_body.mesh = read_mesh(body);
-  found->second = kept_points(*of_body.mesh, make_surface(*of_body.mesh), keep);
-  return found->second;
+  return of_body.points[keep] = kept_points(*of_body.mesh, make_surface(*of_body.mesh), keep);
 }
 
 TetMesh Bodies::read_mesh(BodyId body) const {

@@ -58,7 +58,13 @@ void throw_damaged(const std::filesystem::path& path, const std::string& what) {
 }
 
 void Damage::leave_out(const std::string& what, const std::string& table, std::int64_t row) {
-  rows_[{what, row}] = Place{table, row};
+  rows_[{what, row}] = Place{table, row, true};
+}
+
+void Damage::leave_behind(const std::string& table) {
+  for (auto& [key, place] : rows_) {
+    if (place.table == table) place.is_in_file = false;
+  }
 }
 
 std::vector<std::string> Damage::names() const {
@@ -76,6 +82,7 @@ bool Damage::is_in(const std::string& table) const {
 
 void Damage::remove_from(const sqlite::Database& database) const {
   for (const auto& [key, place] : rows_) {
+    if (!place.is_in_file) continue;
     if (place.row == 0) throw_damaged(database.path(), key.first);
     sqlite::Statement remove(database, "DELETE FROM " + place.table + " WHERE rowid = ?");
     remove.bind(place.row);

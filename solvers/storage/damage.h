@@ -39,6 +39,9 @@ class Damage {
   [[nodiscard]] bool is_in(const std::string& table) const;
   /// Removes the rows from the file. @throws InputError it is not known where one of them is.
   void remove_from(const sqlite::Database& database) const;
+  /// Says that the rows of a table were left behind when the table was made anew: there is nothing
+  /// to remove, and their numbers may be those of other rows now.
+  void leave_behind(const std::string& table);
   /// Forgets what was found.
   void clear() { rows_.clear(); }
 
@@ -46,6 +49,7 @@ class Damage {
   struct Place {
     std::string table;
     std::int64_t row = 0;
+    bool is_in_file = true;
   };
   /// The place of each row, by its name and number.
   std::map<std::pair<std::string, std::int64_t>, Place> rows_;

@@ -224,6 +224,10 @@ void convert(Tables& tables) {
   for (const std::function<void()>& write : write_again) write();
   transaction.commit();
   tables.connection.set_version(kSchemaVersion);
+  // These two were made anew, without the rows that are damaged.
+  for (const char* table : {"tool_space", "basis"}) tables.connection.damage().leave_behind(table);
+  tables.tool_spaces.forget();
+  tables.bases.forget_all();
 }
 
 }  // namespace palpate::storage

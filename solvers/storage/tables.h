@@ -78,8 +78,8 @@ std::vector<std::string> remove_damaged(Tables& tables);
 ///   reduced fields.
 void merge(Tables& here, const Tables& other);
 
-/// Makes the tables of an older version those of this one. What is damaged stays so: its checksum
-/// is not made anew.
+/// Makes the tables of an older version those of this one. A tool space or a basis that is damaged
+/// is left behind; other rows that are damaged stay so, as their checksums are not made anew.
 void convert(Tables& tables);
 
 }  // namespace palpate::storage

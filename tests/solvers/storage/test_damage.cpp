@@ -6,9 +6,11 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "solvers/state_space/example_space.h"
@@ -552,6 +554,40 @@ TEST_F(VersionWithAModeARow, ABasisThatIsDamagedGoesWithWhatNeedsIt) {
   const std::vector<ToolSpace> spaces = file.read_tool_spaces();
   EXPECT_TRUE(file.read_summaries(spaces[0].setup.id).empty());
   EXPECT_EQ(file.read_summaries(spaces[1].setup.id).size(), 27U);
+}
+
+TEST_F(VersionWithAModeARow, ABasisThatIsDamagedTakesNoOtherWithIt) {
+  change(
+      "UPDATE mode SET field = zeroblob(length(field)) WHERE number = 3 AND tool_space_id = "
+      "(SELECT min(tool_space_id) FROM mode)");
+  std::optional<Scene> scene;
+  double tolerance = 0;
+  {
+    const StateSpaceFile old = StateSpaceFile::open_read_only(path_);
+    scene = old.read_scene();
+    tolerance = old.solver_tolerance();
+  }
+  // It is converted and cleaned while it is open.
+  StateSpaceFile file = StateSpaceFile::open_to_append(path_, *scene, tolerance);
+  EXPECT_FALSE(file.remove_damaged().empty());
+  const std::vector<ToolSpace> spaces = file.read_tool_spaces();
+  ASSERT_EQ(spaces.size(), 2U);
+  int num_read = 0;
+  for (Configuration c : file.read_summaries(spaces[1].setup.id)) {
+    num_read += file.read_fields(spaces[1].setup.id, c) ? 1 : 0;
+  }
+  EXPECT_EQ(num_read, 27);
+}
+
+TEST_P(OlderVersionTest, AToolSpaceThatIsDamagedTakesNoOtherWithIt) {
+  change(GetParam() < 7 ? "UPDATE site SET tip_radius = -1 WHERE active_node = 3"
+                        : "UPDATE tool_space SET tip_radius = -1 WHERE tool_space_id = 3");
+  StateSpaceFile file = StateSpaceFile::open_to_append(path_, small_scene_, kTolerance);
+  EXPECT_EQ(file.remove_damaged(), std::vector<std::string>{"active node 3"});
+  const std::vector<ToolSpace> spaces = file.read_tool_spaces();
+  ASSERT_EQ(spaces.size(), 1U);
+  EXPECT_EQ(spaces[0].setup.id, 5);
+  EXPECT_EQ(file.read_summaries(5).size(), 3U);
 }
 
 TEST_P(OlderVersionTest, IsRead) {
