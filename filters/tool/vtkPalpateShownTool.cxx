@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/error.h"
 #include "interaction/rigid_shape.h"
 #include "interaction/shape_kind.h"
 #include "vtkCellArray.h"
@@ -25,6 +26,11 @@ constexpr int VoxelsAcross = 48;
 vtkSmartPointer<vtkPolyData> Contour(const palpate::RigidShape& shape)
 {
   const Eigen::AlignedBox3d box = shape.bounds();
+  if (box.isEmpty() || !box.sizes().allFinite() || !(box.sizes().maxCoeff() > 0))
+  {
+    throw palpate::InputError("The tool has no shape that can be shown: the box around it is "
+                              "empty or without end.");
+  }
   const double spacing = box.sizes().maxCoeff() / VoxelsAcross;
   const palpate::Vec3 origin = box.min() - palpate::Vec3::Constant(spacing);
   std::array<int, 3> numbers;

@@ -45,6 +45,13 @@ std::vector<double> Column(vtkTable* table, const std::string& name)
       " of the table of the tools has text, or several numbers in a row. Give it one number in "
       "each row.");
   }
+  // A script can make columns of different lengths.
+  if (numbers->GetNumberOfTuples() != table->GetNumberOfRows())
+  {
+    throw InputError("The column " + name + " of the table of the tools has " +
+      std::to_string(numbers->GetNumberOfTuples()) + " rows, and the table has " +
+      std::to_string(table->GetNumberOfRows()) + ". Give each column a number in each row.");
+  }
   std::vector<double> values;
   for (vtkIdType row = 0; row < numbers->GetNumberOfTuples(); ++row)
   {

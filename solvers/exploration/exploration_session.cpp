@@ -39,6 +39,12 @@ EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& mon
   return result;
 }
 
+/// Takes the mail from a monitor when it goes out of scope.
+struct NoMailAfterwards {
+  Monitor& monitor;
+  ~NoMailAfterwards() { monitor.set_mail(nullptr); }
+};
+
 }  // namespace
 
 struct ExplorationSession::Impl {
@@ -164,8 +170,12 @@ ExplorationSession::State ExplorationSession::run(const Until& until) {
   const auto explore = [&] {
     do {
       ScheduleReport schedule;
-      const bool is_done = palpate::run(*session.engine, session.communicator, &schedule);
-      session.monitor.set_mail(nullptr);
+      bool is_done = false;
+      {
+        // The mail is the scheduler's, which is gone after the run, also where that throws.
+        const NoMailAfterwards guard{session.monitor};
+        is_done = palpate::run(*session.engine, session.communicator, &schedule);
+      }
       session.report.schedule += schedule;
       if (session.engine->is_discarded()) return State::aborted;
       // The run may have been paused within its last transition.
@@ -175,6 +185,8 @@ ExplorationSession::State ExplorationSession::run(const Until& until) {
              session.rounds->plan(*session.engine, session.communicator, session.report));
     return State::complete;
   };
+  // A session that throws is over: what its chunks have not given is in its record.
+  session.state = State::aborted;
   session.state = explore();
   session.give_chunks();
   session.report.complete = session.state == State::complete;

@@ -95,6 +95,10 @@ std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions
                                      InteractionFactory& tools) {
   PieceSupport(scene.mesh, holding_points(scene)).require_held({});
   const ContactOptions& contact = *options.contact;
+  if (contact.tool.shape < ToolShape::sphere || contact.tool.shape > ToolShape::surface) {
+    throw InputError("A state space cannot hold " + name_of(contact.tool) +
+                     " yet. Choose a sphere, a capsule or a surface.");
+  }
   if (contact.tool.motion != ToolMotion::translated) {
     throw InputError(
         "The tool is moved otherwise than translated, and a state space does not say how. Choose "

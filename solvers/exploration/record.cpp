@@ -302,6 +302,11 @@ class FileRecord final : public Record {
   /// @note Collective
   void open() {
     files_.open([&](StateSpaceFile& file) {
+      if (file.find_body(hash(scene_)) != kFirstBody) {
+        throw InputError(path_.string() +
+                         " holds this scene as another body of its organ than the first one, and a "
+                         "run computes for the first alone. Give another file name.");
+      }
       const Keep kept = file.bases().keep();
       if (kept < keep_) {
         throw InputError(path_.string() + " keeps less of the displacements (Keep is " +

@@ -81,6 +81,7 @@ void for_each_part(StateKey& key, Visit&& visit) {
   visit(key.tool_space);
   visit(key.check_point);
   visit(key.level);
+  visit(key.body);
 }
 template <class Visit>
 void for_each_part(CheckPointBox& box, Visit&& visit) {

@@ -470,7 +470,8 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
     figures.Branch = tick.contact.branches[0];
     figures.Support = Words(tick.contact.support);
   }
-  if (tick.contact.status == palpate::ContactStatus::pressing)
+  // The newest tick may still be of a body that was taken away since.
+  if (tick.contact.status == palpate::ContactStatus::pressing && session.Body->force_on_tool())
   {
     figures.Support = Words(tick.contact.support);
     const Vec3 push = -tick.contact.force.stableNormalized();

@@ -250,5 +250,18 @@ TEST_F(Kept, MoreThanIsKeptIsRefusedWithASentence) {
   }
 }
 
+TEST_F(Kept, ASceneThatIsAnotherBodyOfTheFileIsRefused) {
+  const test::Block other =
+      test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 2}});
+  if (world_->rank() == 0) {
+    StateSpaceFile two = StateSpaceFile::create(file("two"), other.scene, 1e-10);
+    EXPECT_EQ(two.add_body(block_.scene), 2);
+    two.close();
+  }
+  options_.equilibrium.tolerance = 1e-10;
+  options_.file = file("two");
+  EXPECT_THROW((void)precompute(block_.scene, options_, *world_, progress_), InputError);
+}
+
 }  // namespace
 }  // namespace palpate::test::test_keep
