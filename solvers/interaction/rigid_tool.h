@@ -15,6 +15,7 @@ namespace palpate {
 
 /// The numbers are stored: keep them.
 enum class ToolShape : std::int32_t { sphere = 0, capsule = 1, surface = 2 };
+/// A file does not have these numbers yet: in a state space all tools are translated.
 enum class ToolMotion : std::int32_t { translated = 0 };
 
 struct RigidTool {
