@@ -32,16 +32,19 @@ enum class Kind : std::uint8_t {
 };
 [[nodiscard]] bool is_sound(Kind kind) { return kind >= Kind::recalled && kind <= Kind::progress; }
 
+/// A file may hold more levels than a run makes, but candidate_level() has to fit its number.
+constexpr std::int32_t kLevelLimit = 1 << 20;
+
 /// Of what another rank says, numbers become places in lists: they have to be in their range.
 /// @throws BackendError one is not.
 void require_possible(const Grid& grid, const CheckPoint& p, std::int32_t level) {
   Unpacker::require(std::all_of(
       p.begin(), p.end(), [&](std::int32_t x) { return x >= -grid.reach() && x <= grid.reach(); }));
-  constexpr std::int32_t kLeast = -num_neighbours * kMostLevels;
-  Unpacker::require(level >= kLeast && level < kMostLevels);
+  constexpr std::int32_t kLeast = -num_neighbours * kLevelLimit;
+  Unpacker::require(level >= kLeast && level < kLevelLimit);
 }
 void require_reached(std::int32_t level) {
-  Unpacker::require(level >= beyond_most_levels && level < kMostLevels);
+  Unpacker::require(level >= beyond_most_levels && level < kLevelLimit);
 }
 void require_possible(const Grid& grid, const ConfigurationSummary& summary) {
   require_possible(grid, summary.check_point, summary.level);

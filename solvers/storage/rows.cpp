@@ -270,9 +270,8 @@ bool is_possible(const ToolSpaceSetup& setup, std::int64_t num_points) {
 }
 
 bool is_possible(const Grid& grid, const ConfigurationSummary& c) {
-  if (!is_in_box(grid, c.check_point) || !is_in_box(grid, c.parent) ||
-      c.level < -num_neighbours * kMostLevels || c.level >= kMostLevels || c.parent_level < 0 ||
-      c.parent_level >= kMostLevels || !is_possible(c.outcome) || !is_possible(c.flags)) {
+  if (!is_in_box(grid, c.check_point) || !is_in_box(grid, c.parent) || c.parent_level < 0 ||
+      !is_possible(c.outcome) || !is_possible(c.flags)) {
     return false;
   }
   return !c.usable() ||
@@ -284,8 +283,7 @@ bool is_possible(const Grid& grid, const ConfigurationSummary& c) {
 bool is_possible(const Grid& grid, const LevelTransition& transition) {
   return is_in_box(grid, transition.start) && is_in_box(grid, transition.target) &&
          neighbour_number(transition.start, transition.target) >= 0 &&
-         transition.start_level >= 0 && transition.start_level < kMostLevels &&
-         transition.reached < kMostLevels &&
+         transition.start_level >= 0 &&
          (transition.reached >= failed_to_reach || transition.reached == beyond_most_levels);
 }
 

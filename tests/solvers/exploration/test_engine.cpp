@@ -310,8 +310,8 @@ TEST(Engine, SaysHowOftenACheckPointHadTooManyLevels) {
   setup.grid.resolution = 3;
   setup.policy.history = History::levels;
   TransitionRecord record;
-  // An earlier run has made this transition: it counts, and is not asked for again.
-  record.left.transitions = {{{0, 0, 0}, kMostLevels - 1, {1, 0, 0}, beyond_most_levels}};
+  // Of an earlier run: it counts, but no transition between these levels is asked for.
+  record.left.transitions = {{{0, 0, 0}, kMostLevels, {1, 0, 0}, beyond_most_levels}};
   EndlessSolver solver;
   test::Simulation simulation(1, {});
   Monitor monitor(nullptr, simulation.network(0));
