@@ -49,6 +49,11 @@
 #include "storage/state_space_file.h"
 
 namespace palpate {
+
+[[nodiscard]] static bool is_sound(Support support) {
+  return support >= Support::none && support <= Support::marked;
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -86,9 +91,6 @@ struct Test {
   [[nodiscard]] double error() const { return (exact - interpolated).norm(); }
 };
 
-[[nodiscard]] bool is_sound(Support support) {
-  return support >= Support::none && support <= Support::marked;
-}
 template <class Visit>
 void for_each_part(Test& test, Visit&& visit) {
   visit(test.is_slide);
@@ -211,7 +213,7 @@ class PlainNewton {
     const SteadyClock::time_point begin = SteadyClock::now();
     system_.begin_solve();
     NodalVector x = system_.vector_of(start) + system_.sensitivity_of(start) * (t - start.t);
-    if (!std::isfinite(system_.evaluate(t, x))) x = system_.vector_of(start);
+    if (!system_.evaluate(t, x).is_finite()) x = system_.vector_of(start);
     const bool converged = iterate(t, x);
     seconds_ += seconds_since(begin);
     return converged;
