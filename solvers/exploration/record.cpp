@@ -302,7 +302,8 @@ class FileRecord final : public Record {
   /// @note Collective
   void open() {
     files_.open([&](StateSpaceFile& file) {
-      if (file.find_body(hash(scene_)) != kFirstBody) {
+      // The file was opened for this scene: where it has one body, that is the one.
+      if (file.list_bodies().size() > 1 && file.find_body(hash(scene_)) != kFirstBody) {
         throw InputError(path_.string() +
                          " holds this scene as another body of its organ than the first one, and a "
                          "run computes for the first alone. Give another file name.");
