@@ -59,7 +59,7 @@ int ModelReader::AxesOf(const Tree& condition)
 void ModelReader::ReadBoundary()
 {
   palpate::Scene& scene = this->Model.Scene;
-  std::vector<char> axes(scene.mesh.points.size(), 0);
+  std::vector<char> axes(scene.body.mesh.points.size(), 0);
   const Tree* boundary = this->Root.Child("Boundary");
   // The axes that all conditions on a set hold, and the first of these conditions, so that each set
   // is visited once.
@@ -90,12 +90,12 @@ void ModelReader::ReadBoundary()
       axes[this->IndexOf(node, *held.second)] |= static_cast<char>(held.first);
     }
   }
-  scene.fixed.assign(axes.size(), 0);
-  const std::vector<char> used = palpate::points_in_use(scene.mesh);
+  scene.body.fixed.assign(axes.size(), 0);
+  const std::vector<char> used = palpate::points_in_use(scene.body.mesh);
   constexpr char allAxes = 7;
   for (std::size_t point = 0; point < axes.size(); ++point)
   {
-    scene.fixed[point] = used[point] != 0 && axes[point] == allAxes ? 1 : 0;
+    scene.body.fixed[point] = used[point] != 0 && axes[point] == allAxes ? 1 : 0;
     for (int axis = 0; axis < 3 && used[point] != 0; ++axis)
     {
       if ((axes[point] & (1 << axis)) != 0)
@@ -109,12 +109,12 @@ void ModelReader::ReadBoundary()
     this->ReadSymmetryPlane(constraint);
   }
   const auto isFree = [](const palpate::HeldDirections& of) { return of.isZero(0); };
-  if (std::all_of(scene.held_directions.begin(), scene.held_directions.end(), isFree))
+  if (std::all_of(scene.body.held_directions.begin(), scene.body.held_directions.end(), isFree))
   {
-    scene.held_directions.clear();
+    scene.body.held_directions.clear();
   }
-  if (std::find(scene.fixed.begin(), scene.fixed.end(), 1) == scene.fixed.end() &&
-    scene.held_directions.empty())
+  if (std::find(scene.body.fixed.begin(), scene.body.fixed.end(), 1) == scene.body.fixed.end() &&
+    scene.body.held_directions.empty())
   {
     this->Model.Warnings.emplace_back(
       "The model holds no point of the body. Apply Set Boundary to it.");
@@ -127,26 +127,26 @@ void ModelReader::Hold(Index point, const palpate::Vec3& direction)
   palpate::Scene& scene = this->Model.Scene;
   const palpate::HeldDirections none = palpate::HeldDirections::Zero();
   palpate::HeldDirections held =
-    scene.held_directions.empty() ? none : scene.held_directions[point];
+    scene.body.held_directions.empty() ? none : scene.body.held_directions[point];
   const palpate::Vec3 across = direction - held * (held.transpose() * direction);
   // The sine of the angle to the directions that the point has: below this they are the same.
   constexpr double same = 1e-6;
-  if (scene.fixed[point] != 0 || across.norm() < same)
+  if (scene.body.fixed[point] != 0 || across.norm() < same)
   {
     return;
   }
   const int column = held.col(0).isZero(0) ? 0 : held.col(1).isZero(0) ? 1 : 2;
   if (column == 2)
   {
-    scene.fixed[point] = 1;
+    scene.body.fixed[point] = 1;
     held = none;
   }
   else
   {
     held.col(column) = across.normalized();
   }
-  scene.held_directions.resize(scene.mesh.points.size(), none);
-  scene.held_directions[point] = held;
+  scene.body.held_directions.resize(scene.body.mesh.points.size(), none);
+  scene.body.held_directions[point] = held;
 }
 
 std::vector<ModelReader::Face> ModelReader::FacesOf(
@@ -179,7 +179,7 @@ std::vector<ModelReader::Face> ModelReader::FacesOf(
 
 palpate::Vec3 ModelReader::NormalOf(const Face& face) const
 {
-  const auto& points = this->Model.Scene.mesh.points;
+  const auto& points = this->Model.Scene.body.mesh.points;
   const palpate::Vec3 one = points[face[1]] - points[face[0]];
   const palpate::Vec3 other = points[face[2]] - points[face[0]];
   palpate::Vec3 normal;
@@ -236,7 +236,7 @@ const ModelReader::Boundary& ModelReader::Surface()
   if (!this->Outside)
   {
     Boundary& outside = this->Outside.emplace();
-    const palpate::TetMesh& mesh = this->Model.Scene.mesh;
+    const palpate::TetMesh& mesh = this->Model.Scene.body.mesh;
     const std::vector<Index> nodes = palpate::boundary_faces(mesh);
     const int size = palpate::nodes_per_face(mesh.order);
     outside.At.resize(mesh.points.size());
@@ -367,10 +367,10 @@ bool ModelReader::ReadLoad(const Tree& load)
   if (isPressure)
   {
     return this->Load(
-      faces, side * numbers[0], 0.0, scene.applied_pressure, palpate::is_under_pressure);
+      faces, side * numbers[0], 0.0, scene.body.applied_pressure, palpate::is_under_pressure);
   }
   return this->Load(faces, palpate::Vec3(numbers[0], numbers[1], numbers[2]),
-    palpate::Vec3(palpate::Vec3::Zero()), scene.applied_traction, palpate::has_traction);
+    palpate::Vec3(palpate::Vec3::Zero()), scene.body.applied_traction, palpate::has_traction);
 }
 
 void ModelReader::ReadTouchable()
@@ -381,14 +381,14 @@ void ModelReader::ReadTouchable()
     const std::string* name = set.Attribute("name");
     if (set.Name == "NodeSet" && name && *name == vtkPalpateArray::Touchable)
     {
-      scene.touchable.assign(scene.mesh.points.size(), 0);
+      scene.body.touchable.assign(scene.body.mesh.points.size(), 0);
       for (const Id node : IdsOf(set, this->Nodes))
       {
-        scene.touchable[this->IndexOf(node, set)] = 1;
+        scene.body.touchable[this->IndexOf(node, set)] = 1;
       }
       return;
     }
   }
-  scene.touchable = vtkPalpateTouchableSurface(scene.mesh, vtkPalpateHeldPoints(scene));
+  scene.body.touchable = vtkPalpateTouchableSurface(scene.body.mesh, vtkPalpateHeldPoints(scene));
 }
 }

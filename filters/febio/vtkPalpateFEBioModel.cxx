@@ -66,7 +66,7 @@ vtkPalpateFEBioModel ModelReader::Read()
 {
   this->ReadNodes();
   this->ReadElements();
-  palpate::check_and_orient(this->Model.Scene.mesh);
+  palpate::check_and_orient(this->Model.Scene.body.mesh);
   this->ReadLoads();
   this->ReadBoundary();
   return std::move(this->Model);
@@ -251,7 +251,7 @@ void ModelReader::ReadNodes()
     }
   }
   this->IndexOfNode.reserve(ids.size());
-  auto& points = this->Model.Scene.mesh.points;
+  auto& points = this->Model.Scene.body.mesh.points;
   points.reserve(ids.size());
   for (const std::size_t place : Order(ids, "nodes"))
   {
@@ -331,7 +331,7 @@ void ModelReader::ReadElements()
     throw InputError("The file has no elements.");
   }
 
-  palpate::TetMesh& mesh = this->Model.Scene.mesh;
+  palpate::TetMesh& mesh = this->Model.Scene.body.mesh;
   mesh.order = *order;
   const int nodesPerCell = palpate::nodes_per_cell(*order);
   // FEBio's order of the nodes is VTK's, midside nodes included: FETet10::shape_fnc.
@@ -364,12 +364,12 @@ void ModelReader::ReadMaterials(const std::vector<const Tree*>& parts)
     const int number = this->Model.RegionOfCell[cell];
     if (materialOfPart[number] == NoMaterial || !all[number].Maps.empty())
     {
-      materialOfPart[number] = static_cast<Index>(scene.materials.size());
+      materialOfPart[number] = static_cast<Index>(scene.organ.materials.size());
       const auto [material, rheology] = materials.Of(all[number], this->Elements.Ids[cell]);
-      scene.materials.push_back(material);
+      scene.organ.materials.push_back(material);
       this->Model.Rheologies.push_back(rheology);
     }
-    scene.material_of_cell.push_back(materialOfPart[number]);
+    scene.body.material_of_cell.push_back(materialOfPart[number]);
   }
   for (const std::string& warning : materials.Warnings())
   {
@@ -383,7 +383,7 @@ std::vector<Id> ModelReader::NodesOf(const std::string& reference, const Tree& w
   std::vector<Id> nodes;
   if (StartsWith(reference, "@elem_set:"))
   {
-    const palpate::TetMesh& mesh = this->Model.Scene.mesh;
+    const palpate::TetMesh& mesh = this->Model.Scene.body.mesh;
     const int nodesPerCell = palpate::nodes_per_cell(mesh.order);
     const std::vector<Id>& all = this->Elements.Ids;
     for (const Id element : ElementsOf(this->Sets, name, where, this->Elements))

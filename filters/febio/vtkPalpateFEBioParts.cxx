@@ -53,7 +53,7 @@ std::vector<Part> PartsOf(const Body& body, const Regions& regions,
     std::array<double, palpate::max_parameters>, palpate::RheologyValues>;
   std::map<Key, std::size_t> known;
   std::vector<Part> parts;
-  for (Index cell = 0; cell < body.Scene.mesh.num_cells(); ++cell)
+  for (Index cell = 0; cell < body.Scene.body.mesh.num_cells(); ++cell)
   {
     const Material& material = body.MaterialOf(cell);
     const vtkPalpateFEBioLaw* law = laws[body.MaterialIndex(cell)];
@@ -153,7 +153,7 @@ bool Part::IsThreeField() const
 std::vector<Part> PartsOf(const Body& body, const Regions& regions)
 {
   std::vector<const vtkPalpateFEBioLaw*> laws;
-  for (const Material& material : body.Scene.materials)
+  for (const Material& material : body.Scene.organ.materials)
   {
     laws.push_back(&vtkPalpateFEBioLawOf(material));
   }
@@ -200,7 +200,7 @@ std::optional<int> AxesOf(const palpate::HeldDirections& held)
 
 bool HasOneTraction(const Scene& scene, const Index* face)
 {
-  const std::vector<palpate::Vec3>& traction = scene.applied_traction;
+  const std::vector<palpate::Vec3>& traction = scene.body.applied_traction;
   return traction[face[0]] == traction[face[1]] && traction[face[0]] == traction[face[2]];
 }
 }

@@ -41,11 +41,11 @@ struct Body
 
   palpate::Index MaterialIndex(palpate::Index cell) const
   {
-    return this->Scene.material_of_cell[cell];
+    return this->Scene.body.material_of_cell[cell];
   }
   const palpate::Material& MaterialOf(palpate::Index cell) const
   {
-    return this->Scene.materials[this->MaterialIndex(cell)];
+    return this->Scene.organ.materials[this->MaterialIndex(cell)];
   }
   const palpate::Rheology& RheologyOf(palpate::Index cell) const
   {

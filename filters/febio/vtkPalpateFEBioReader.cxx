@@ -78,15 +78,15 @@ int vtkPalpateFEBioReader::RequestData(
       const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(this->FileName, this->Units);
       // The body's rest under the loads is not known.
       palpate::Scene unloaded = model.Scene;
-      unloaded.applied_pressure.clear();
-      unloaded.applied_traction.clear();
+      unloaded.body.applied_pressure.clear();
+      unloaded.body.applied_traction.clear();
       output->ShallowCopy(vtkPalpateGridFromScene(unloaded));
       vtkPalpateWriteBoundary(model.Scene, output);
       vtkPalpateAddBoundaryKinds(model.Scene, output);
-      vtkPalpateWriteRheologies(model.Rheologies, model.Scene.material_of_cell, output);
+      vtkPalpateWriteRheologies(model.Rheologies, model.Scene.body.material_of_cell, output);
       AddRegions(model, output);
       std::vector<std::string> warnings = model.Warnings;
-      const palpate::TetMesh& mesh = model.Scene.mesh;
+      const palpate::TetMesh& mesh = model.Scene.body.mesh;
       const palpate::Pieces pieces = palpate::find_pieces(mesh);
       if (const auto touching =
             palpate::describe(palpate::find_touching_pieces(mesh, pieces), pieces.size(), false))

@@ -132,7 +132,7 @@ std::string Unsaid(vtkUnstructuredGrid* grid, const Body& body, const Regions& r
     text += "Part of the body has the Quadrature Fine, which the file does not say: who reads it "
             "finds the standard one. ";
   }
-  const std::vector<palpate::HeldDirections>& held = body.Scene.held_directions;
+  const std::vector<palpate::HeldDirections>& held = body.Scene.body.held_directions;
   if (std::any_of(held.begin(), held.end(),
         [](const palpate::HeldDirections& of) { return !AxesOf(of).has_value(); }))
   {
@@ -140,14 +140,15 @@ std::string Unsaid(vtkUnstructuredGrid* grid, const Body& body, const Regions& r
             "holds points along its axes alone. Turn the body so that its planes of symmetry are "
             "across them. ";
   }
-  if (!body.Scene.support_stiffness.empty())
+  if (!body.Scene.body.support_stiffness.empty())
   {
     text += "SupportStiffness is left out: FEBio has no springs by area, and the file holds the "
             "body without them. ";
   }
   const std::vector<Index> pulled =
-    palpate::faces_with(body.Scene.mesh, body.Scene.applied_traction);
-  for (std::size_t i = 0; i < pulled.size(); i += palpate::nodes_per_face(body.Scene.mesh.order))
+    palpate::faces_with(body.Scene.body.mesh, body.Scene.body.applied_traction);
+  for (std::size_t i = 0; i < pulled.size();
+       i += palpate::nodes_per_face(body.Scene.body.mesh.order))
   {
     if (!HasOneTraction(body.Scene, &pulled[i]))
     {
@@ -155,8 +156,8 @@ std::string Unsaid(vtkUnstructuredGrid* grid, const Body& body, const Regions& r
       break;
     }
   }
-  if (std::find(body.Scene.touchable.begin(), body.Scene.touchable.end(), 1) ==
-    body.Scene.touchable.end())
+  if (std::find(body.Scene.body.touchable.begin(), body.Scene.body.touchable.end(), 1) ==
+    body.Scene.body.touchable.end())
   {
     text += "No point may be touched, and FEBio has no empty sets: who reads the file finds every "
             "free corner of the surface touchable. ";

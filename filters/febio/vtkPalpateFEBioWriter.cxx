@@ -114,13 +114,13 @@ void WriteMaterial(const Body& body, const Part& part, std::size_t number, Outpu
 
 void WriteElements(const Scene& scene, const Part& part, Output& xml)
 {
-  const bool isLinear = scene.mesh.order == palpate::ElementOrder::linear;
-  const int nodesPerCell = palpate::nodes_per_cell(scene.mesh.order);
+  const bool isLinear = scene.body.mesh.order == palpate::ElementOrder::linear;
+  const int nodesPerCell = palpate::nodes_per_cell(scene.body.mesh.order);
   xml.Open("Elements", { { "type", isLinear ? "tet4" : "tet10" }, { "name", part.Name } });
   for (const Index cell : part.Cells)
   {
     // VTK's order of the nodes is FEBio's, midside nodes included: FETet10::shape_fnc.
-    std::vector<Index> nodes(scene.mesh.cell(cell), scene.mesh.cell(cell) + nodesPerCell);
+    std::vector<Index> nodes(scene.body.mesh.cell(cell), scene.body.mesh.cell(cell) + nodesPerCell);
     for (Index& node : nodes)
     {
       ++node;
@@ -158,18 +158,18 @@ struct Support
 std::vector<Support> SupportsOf(const Scene& scene)
 {
   constexpr int all = 7;
-  std::vector<Support> supports = { { vtkPalpateArray::Fixed, all, scene.fixed } };
+  std::vector<Support> supports = { { vtkPalpateArray::Fixed, all, scene.body.fixed } };
   for (int axes = 1; axes < all; ++axes)
   {
-    Support support{ "Held_", axes, std::vector<char>(scene.fixed.size(), 0) };
+    Support support{ "Held_", axes, std::vector<char>(scene.body.fixed.size(), 0) };
     for (int axis = 0; axis < 3; ++axis)
     {
       support.Name += (axes & (1 << axis)) == 0 ? "" : std::string(1, "xyz"[axis]);
     }
-    for (std::size_t point = 0; point < scene.held_directions.size(); ++point)
+    for (std::size_t point = 0; point < scene.body.held_directions.size(); ++point)
     {
       support.Points[point] =
-        scene.fixed[point] == 0 && AxesOf(scene.held_directions[point]) == axes ? 1 : 0;
+        scene.body.fixed[point] == 0 && AxesOf(scene.body.held_directions[point]) == axes ? 1 : 0;
     }
     supports.push_back(std::move(support));
   }
@@ -197,7 +197,7 @@ std::vector<SurfaceLoad> LoadsOf(const Scene& scene)
 {
   std::vector<SurfaceLoad> loads;
   std::map<std::pair<const char*, std::string>, std::size_t> known;
-  const int size = palpate::nodes_per_face(scene.mesh.order);
+  const int size = palpate::nodes_per_face(scene.body.mesh.order);
   const auto add =
     [&](const char* array, const char* type, const std::string& value, const Index* face)
   {
@@ -210,16 +210,17 @@ std::vector<SurfaceLoad> LoadsOf(const Scene& scene)
     faces.insert(faces.end(), face, face + size);
   };
   const std::vector<Index> pressed =
-    palpate::faces_under_pressure(scene.mesh, scene.applied_pressure);
+    palpate::faces_under_pressure(scene.body.mesh, scene.body.applied_pressure);
   for (std::size_t i = 0; i < pressed.size(); i += size)
   {
-    add(vtkPalpateArray::AppliedPressure, "pressure", Text(scene.applied_pressure[pressed[i]]),
+    add(vtkPalpateArray::AppliedPressure, "pressure", Text(scene.body.applied_pressure[pressed[i]]),
       &pressed[i]);
   }
-  const std::vector<Index> pulled = palpate::faces_with(scene.mesh, scene.applied_traction);
+  const std::vector<Index> pulled =
+    palpate::faces_with(scene.body.mesh, scene.body.applied_traction);
   for (std::size_t i = 0; i < pulled.size(); i += size)
   {
-    const palpate::Vec3& traction = scene.applied_traction[pulled[i]];
+    const palpate::Vec3& traction = scene.body.applied_traction[pulled[i]];
     if (HasOneTraction(scene, &pulled[i]))
     {
       add(vtkPalpateArray::AppliedTraction, "traction", List(traction), &pulled[i]);
@@ -230,8 +231,8 @@ std::vector<SurfaceLoad> LoadsOf(const Scene& scene)
 
 void WriteSurface(const Scene& scene, const SurfaceLoad& load, Output& xml)
 {
-  const bool isLinear = scene.mesh.order == palpate::ElementOrder::linear;
-  const int size = palpate::nodes_per_face(scene.mesh.order);
+  const bool isLinear = scene.body.mesh.order == palpate::ElementOrder::linear;
+  const int size = palpate::nodes_per_face(scene.body.mesh.order);
   xml.Open("Surface", { { "name", load.Name } });
   for (std::size_t i = 0; i < load.Faces.size(); i += size)
   {
@@ -250,9 +251,9 @@ void WriteMesh(const Scene& scene, const std::vector<Part>& parts, Output& xml)
 {
   xml.Open("Mesh");
   xml.Open("Nodes", { { "name", "Nodes" } });
-  for (Index point = 0; point < scene.mesh.num_points(); ++point)
+  for (Index point = 0; point < scene.body.mesh.num_points(); ++point)
   {
-    const palpate::Vec3& x = scene.mesh.points[point];
+    const palpate::Vec3& x = scene.body.mesh.points[point];
     xml.Leaf("node", { { "id", Text(point + 1) } }, List(std::array{ x[0], x[1], x[2] }));
   }
   xml.Close();
@@ -268,7 +269,7 @@ void WriteMesh(const Scene& scene, const std::vector<Part>& parts, Output& xml)
   {
     WriteSurface(scene, load, xml);
   }
-  WriteNodeSet(vtkPalpateArray::Touchable, scene.touchable, xml);
+  WriteNodeSet(vtkPalpateArray::Touchable, scene.body.touchable, xml);
   xml.Close();
 }
 

@@ -188,7 +188,7 @@ void vtkPalpateBuildReducedModel::Build(vtkUnstructuredGrid* body,
     throw palpate::InputError(
       "TestPaths is " + std::to_string(this->TestPaths) + "; it must not be negative.");
   }
-  const palpate::BondedPatches patches(scene, this->TipRadius);
+  const palpate::BondedPatches patches(scene.body, this->TipRadius);
   const std::vector<palpate::Index> nodes = vtkPalpateActiveNodes(this->ActiveNodes);
   if (!nodes.empty())
   {
@@ -203,7 +203,7 @@ void vtkPalpateBuildReducedModel::Build(vtkUnstructuredGrid* body,
   }
   if (!this->TrainingPlaces.empty())
   {
-    tools.places = PlacesOf(palpate::BondedPatches(scene, this->TipRadius, "training place"),
+    tools.places = PlacesOf(palpate::BondedPatches(scene.body, this->TipRadius, "training place"),
       vtkPalpateActiveNodes(this->TrainingPlaces, "Training place"), nodes.size());
   }
 

@@ -58,40 +58,41 @@ void ReadMaterials(
   {
     *rheologies = vtkPalpateReadRheologies(grid, read);
   }
-  scene.materials = std::move(read.Each);
-  scene.material_of_cell = std::move(read.OfCell);
+  scene.organ.materials = std::move(read.Each);
+  scene.body.material_of_cell = std::move(read.OfCell);
 }
 
 palpate::Scene ReadScene(vtkUnstructuredGrid* grid, std::vector<palpate::Rheology>* rheologies)
 {
   palpate::Scene scene;
-  scene.mesh = vtkPalpateMeshFromGrid(grid);
+  scene.body.mesh = vtkPalpateMeshFromGrid(grid);
   // Check this before anything else uses the geometry.
-  palpate::check_and_orient(scene.mesh);
+  palpate::check_and_orient(scene.body.mesh);
   ReadMaterials(grid, scene, rheologies);
   vtkPalpateReadBoundary(grid, scene);
   vtkDataArray* fixed = vtkPalpateScalarArray(grid->GetPointData(), vtkPalpateArray::Fixed);
-  if (!fixed && !scene.has_supports())
+  if (!fixed && !scene.body.has_supports())
   {
     throw InputError("No point of the body is fixed: the point array Fixed is missing. Apply Set "
                      "Boundary to it.");
   }
-  scene.fixed =
-    fixed ? vtkPalpateChosenPoints(fixed) : std::vector<char>(scene.mesh.points.size(), 0);
+  scene.body.fixed =
+    fixed ? vtkPalpateChosenPoints(fixed) : std::vector<char>(scene.body.mesh.points.size(), 0);
   vtkDataArray* touchable = vtkPalpateScalarArray(grid->GetPointData(), vtkPalpateArray::Touchable);
-  scene.touchable = touchable ? vtkPalpateChosenPoints(touchable)
-                              : vtkPalpateTouchableSurface(scene.mesh, vtkPalpateHeldPoints(scene));
+  scene.body.touchable = touchable
+    ? vtkPalpateChosenPoints(touchable)
+    : vtkPalpateTouchableSurface(scene.body.mesh, vtkPalpateHeldPoints(scene));
   palpate::check(scene);
   return scene;
 }
 
 void AddMaterials(vtkUnstructuredGrid* grid, const palpate::Scene& scene)
 {
-  vtkPalpateMaterials materials{ scene.materials, scene.material_of_cell };
+  vtkPalpateMaterials materials{ scene.organ.materials, scene.body.material_of_cell };
   if (materials.OfCell.empty())
   {
     materials.Each.resize(1);
-    materials.OfCell.assign(static_cast<std::size_t>(scene.mesh.num_cells()), 0);
+    materials.OfCell.assign(static_cast<std::size_t>(scene.body.mesh.num_cells()), 0);
   }
   vtkPalpateWriteMaterials(materials, grid);
 }
@@ -108,14 +109,14 @@ vtkSmartPointer<vtkDoubleArray> Numbers(const char* name, int components, vtkIdT
 void AddBodyForce(vtkUnstructuredGrid* grid, const palpate::Scene& scene)
 {
   const auto force = Numbers(BodyForceName, 3, 1);
-  force->SetTuple(0, scene.body_force.data());
+  force->SetTuple(0, scene.organ.body_force.data());
   grid->GetFieldData()->AddArray(force);
   const auto density =
-    Numbers(palpate::rheology_names().front().c_str(), 1, scene.mesh.num_cells());
-  for (Index cell = 0; cell < scene.mesh.num_cells(); ++cell)
+    Numbers(palpate::rheology_names().front().c_str(), 1, scene.body.mesh.num_cells());
+  for (Index cell = 0; cell < scene.body.mesh.num_cells(); ++cell)
   {
-    const Index material = scene.material_of_cell.empty() ? 0 : scene.material_of_cell[cell];
-    density->SetValue(cell, scene.densities[material]);
+    const Index material = scene.body.material_of(cell);
+    density->SetValue(cell, scene.organ.densities[material]);
   }
   grid->GetCellData()->AddArray(density);
 }
@@ -267,8 +268,9 @@ palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid* grid, const palpate:
   return scene;
 }
 
-palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid)
+palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid, palpate::SettledBody& atRest)
 {
+  atRest = {};
   vtkDataArray* force = grid->GetFieldData()->GetArray(BodyForceName);
   vtkDataArray* displacement = grid->GetPointData()->GetArray(RestDisplacementName);
   palpate::Vec3 acceleration = palpate::Vec3::Zero();
@@ -290,17 +292,18 @@ palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid)
       BodyForceName + ") and the point array " + RestDisplacementName +
       " of three components. Read or compute the space again.");
   }
-  scene.settled.u.resize(3 * static_cast<Eigen::Index>(scene.mesh.num_points()));
-  for (Index point = 0; point < scene.mesh.num_points(); ++point)
+  atRest.u.resize(3 * static_cast<Eigen::Index>(scene.body.mesh.num_points()));
+  for (Index point = 0; point < scene.body.mesh.num_points(); ++point)
   {
-    displacement->GetTuple(point, scene.settled.u.data() + 3 * static_cast<Eigen::Index>(point));
+    displacement->GetTuple(point, atRest.u.data() + 3 * static_cast<Eigen::Index>(point));
   }
   return scene;
 }
 
-vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(const palpate::Scene& scene)
+vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(
+  const palpate::Scene& scene, const palpate::SettledBody& atRest)
 {
-  const palpate::TetMesh& mesh = scene.mesh;
+  const palpate::TetMesh& mesh = scene.body.mesh;
   auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
@@ -324,16 +327,16 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(const palpate::Scen
     mesh.order == palpate::ElementOrder::linear ? VTK_TETRA : VTK_QUADRATIC_TETRA, cells);
 
   AddMaterials(grid, scene);
-  vtkPalpateAddChoice(grid, vtkPalpateArray::Fixed, scene.fixed);
-  vtkPalpateAddChoice(grid, vtkPalpateArray::Touchable, scene.touchable);
+  vtkPalpateAddChoice(grid, vtkPalpateArray::Fixed, scene.body.fixed);
+  vtkPalpateAddChoice(grid, vtkPalpateArray::Touchable, scene.body.touchable);
   vtkPalpateWriteBoundary(scene, grid);
-  if (scene.has_body_force())
+  if (scene.organ.has_body_force())
   {
     AddBodyForce(grid, scene);
   }
   if (scene.has_load())
   {
-    grid->GetPointData()->AddArray(vtkPalpateNodalArray(RestDisplacementName, scene.settled.u));
+    grid->GetPointData()->AddArray(vtkPalpateNodalArray(RestDisplacementName, atRest.u));
   }
   return grid;
 }
@@ -348,13 +351,13 @@ void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene)
     ReadTuples<3>(grid, name,
       [&](std::size_t point, const palpate::Vec3& direction)
       {
-        scene.held_directions.resize(size, palpate::HeldDirections::Zero());
-        scene.held_directions[point].col(of) = direction;
+        scene.body.held_directions.resize(size, palpate::HeldDirections::Zero());
+        scene.body.held_directions[point].col(of) = direction;
       });
   }
   for (const auto& [name, array] :
-    { std::pair{ vtkPalpateArray::SupportStiffness, &scene.support_stiffness },
-      std::pair{ vtkPalpateArray::AppliedPressure, &scene.applied_pressure } })
+    { std::pair{ vtkPalpateArray::SupportStiffness, &scene.body.support_stiffness },
+      std::pair{ vtkPalpateArray::AppliedPressure, &scene.body.applied_pressure } })
   {
     std::vector<double>& values = *array;
     ReadTuples<1>(grid, name,
@@ -367,8 +370,8 @@ void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene)
   ReadTuples<3>(grid, vtkPalpateArray::AppliedTraction,
     [&](std::size_t point, const palpate::Vec3& traction)
     {
-      scene.applied_traction.resize(size, palpate::Vec3::Zero());
-      scene.applied_traction[point] = traction;
+      scene.body.applied_traction.resize(size, palpate::Vec3::Zero());
+      scene.body.applied_traction[point] = traction;
     });
 }
 
@@ -377,21 +380,21 @@ void vtkPalpateWriteBoundary(const palpate::Scene& scene, vtkUnstructuredGrid* g
   const auto column = [](int number)
   { return [number](const palpate::HeldDirections& held) { return held.col(number).data(); }; };
   const auto number = [](const double& value) { return &value; };
-  WriteTuples(vtkPalpateArray::HeldDirection, 3, scene.held_directions, column(0), grid);
-  WriteTuples(vtkPalpateArray::HeldDirection2, 3, scene.held_directions, column(1), grid);
-  WriteTuples(vtkPalpateArray::SupportStiffness, 1, scene.support_stiffness, number, grid);
-  WriteTuples(vtkPalpateArray::AppliedPressure, 1, scene.applied_pressure, number, grid);
+  WriteTuples(vtkPalpateArray::HeldDirection, 3, scene.body.held_directions, column(0), grid);
+  WriteTuples(vtkPalpateArray::HeldDirection2, 3, scene.body.held_directions, column(1), grid);
+  WriteTuples(vtkPalpateArray::SupportStiffness, 1, scene.body.support_stiffness, number, grid);
+  WriteTuples(vtkPalpateArray::AppliedPressure, 1, scene.body.applied_pressure, number, grid);
   WriteTuples(
-    vtkPalpateArray::AppliedTraction, 3, scene.applied_traction,
+    vtkPalpateArray::AppliedTraction, 3, scene.body.applied_traction,
     [](const palpate::Vec3& traction) { return traction.data(); }, grid);
 }
 
 std::vector<char> vtkPalpateHeldPoints(const palpate::Scene& scene)
 {
-  std::vector<char> held = scene.fixed;
-  for (std::size_t point = 0; point < scene.held_directions.size(); ++point)
+  std::vector<char> held = scene.body.fixed;
+  for (std::size_t point = 0; point < scene.body.held_directions.size(); ++point)
   {
-    held[point] = held[point] != 0 || !scene.held_directions[point].isZero(0);
+    held[point] = held[point] != 0 || !scene.body.held_directions[point].isZero(0);
   }
   return held;
 }
@@ -418,7 +421,7 @@ void vtkPalpateAddBoundaryKinds(const palpate::Scene& scene, vtkUnstructuredGrid
   };
   vtkNew<vtkUnsignedCharArray> kinds;
   kinds->SetName(vtkPalpateArray::BoundaryKind);
-  kinds->SetNumberOfValues(static_cast<vtkIdType>(scene.fixed.size()));
+  kinds->SetNumberOfValues(static_cast<vtkIdType>(scene.body.fixed.size()));
   kinds->FillValue(FREE);
   const auto markWhere = [&](Kind kind, const std::vector<char>& chosen)
   {
@@ -438,18 +441,18 @@ void vtkPalpateAddBoundaryKinds(const palpate::Scene& scene, vtkUnstructuredGrid
     }
   };
   // If a point has several kinds, the last one that is written counts.
-  markWhere(TOUCHABLE, scene.touchable);
-  markFaces(LOADED, palpate::faces_under_pressure(scene.mesh, scene.applied_pressure));
-  markFaces(LOADED, palpate::faces_with(scene.mesh, scene.applied_traction));
-  markFaces(HELD, palpate::faces_with(scene.mesh, scene.support_stiffness));
-  for (std::size_t point = 0; point < scene.held_directions.size(); ++point)
+  markWhere(TOUCHABLE, scene.body.touchable);
+  markFaces(LOADED, palpate::faces_under_pressure(scene.body.mesh, scene.body.applied_pressure));
+  markFaces(LOADED, palpate::faces_with(scene.body.mesh, scene.body.applied_traction));
+  markFaces(HELD, palpate::faces_with(scene.body.mesh, scene.body.support_stiffness));
+  for (std::size_t point = 0; point < scene.body.held_directions.size(); ++point)
   {
-    if (!scene.held_directions[point].isZero(0))
+    if (!scene.body.held_directions[point].isZero(0))
     {
       kinds->SetValue(static_cast<vtkIdType>(point), HELD);
     }
   }
-  markWhere(FIXED, scene.fixed);
+  markWhere(FIXED, scene.body.fixed);
   // SetScalars() is not used, since it would drop the active scalars.
   grid->GetPointData()->AddArray(kinds);
   grid->GetPointData()->SetActiveScalars(kinds->GetName());

@@ -89,16 +89,19 @@ PALPATESCENE_EXPORT palpate::Scene vtkPalpateSceneFromGrid(
 PALPATESCENE_EXPORT palpate::Scene vtkPalpateSceneFromGrid(
   vtkUnstructuredGrid* grid, const palpate::Vec3& bodyForce);
 
-/// The scene of the block Body of a state space: with the body force and the rest that
-/// vtkPalpateGridFromScene has written, if any.
+/// The scene of the block Body of a state space, with the body force that vtkPalpateGridFromScene
+/// has written, if any.
+/// @param atRest Set to the body at rest under its loads, empty if there are none.
 /// @throws palpate::InputError the same.
-PALPATESCENE_EXPORT palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid);
+PALPATESCENE_EXPORT palpate::Scene vtkPalpateSceneOfSpace(
+  vtkUnstructuredGrid* grid, palpate::SettledBody& atRest);
 
-/// The grid with its materials, `Fixed`, `Touchable`, and what else holds and loads it. Under a
-/// load it has the point array `RestDisplacement` (m), and under a body force the field array
-/// `BodyForce` (m/s²) and the cell array `Density` (kg/m³).
+/// @param atRest The body at rest, of a scene under a load.
+/// @returns The grid with its materials, `Fixed`, `Touchable`, and what else holds and loads it.
+/// Under a load it has the point array `RestDisplacement` (m), and under a body force the field
+/// array `BodyForce` (m/s²) and the cell array `Density` (kg/m³).
 PALPATESCENE_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(
-  const palpate::Scene& scene);
+  const palpate::Scene& scene, const palpate::SettledBody& atRest = {});
 
 /// Adds a point array of 0 and 1.
 PALPATESCENE_EXPORT void vtkPalpateAddChoice(

@@ -122,24 +122,24 @@ std::vector<Value> OfMerged(const std::vector<Value>& values, const palpate::Mer
 palpate::Scene OfMerged(const palpate::Scene& scene, const palpate::MergedMesh& merged)
 {
   palpate::Scene now;
-  now.mesh = merged.mesh;
-  now.fixed = OfMerged(scene.fixed, merged);
-  now.support_stiffness = OfMerged(scene.support_stiffness, merged);
-  now.applied_pressure = OfMerged(scene.applied_pressure, merged);
-  now.applied_traction = OfMerged(scene.applied_traction, merged);
-  if (scene.held_directions.empty())
+  now.body.mesh = merged.mesh;
+  now.body.fixed = OfMerged(scene.body.fixed, merged);
+  now.body.support_stiffness = OfMerged(scene.body.support_stiffness, merged);
+  now.body.applied_pressure = OfMerged(scene.body.applied_pressure, merged);
+  now.body.applied_traction = OfMerged(scene.body.applied_traction, merged);
+  if (scene.body.held_directions.empty())
   {
     return now;
   }
-  now.held_directions.assign(merged.before.size(), palpate::HeldDirections::Zero());
-  for (std::size_t point = 0; point < scene.held_directions.size(); ++point)
+  now.body.held_directions.assign(merged.before.size(), palpate::HeldDirections::Zero());
+  for (std::size_t point = 0; point < scene.body.held_directions.size(); ++point)
   {
     const auto here = static_cast<std::size_t>(merged.number[point]);
-    for (const Vec3 direction : scene.held_directions[point].colwise())
+    for (const Vec3 direction : scene.body.held_directions[point].colwise())
     {
       if (!direction.isZero(0))
       {
-        palpate::hold_along(direction, now.held_directions[here], now.fixed[here]);
+        palpate::hold_along(direction, now.body.held_directions[here], now.body.fixed[here]);
       }
     }
   }
@@ -306,11 +306,12 @@ int vtkPalpateSetBoundary::RequestData(
       }
 
       palpate::Scene scene = this->SceneBefore(body);
-      const palpate::Pieces pieces = palpate::find_pieces(scene.mesh);
-      const palpate::TouchingPieces touching = palpate::find_touching_pieces(scene.mesh, pieces);
+      const palpate::Pieces pieces = palpate::find_pieces(scene.body.mesh);
+      const palpate::TouchingPieces touching =
+        palpate::find_touching_pieces(scene.body.mesh, pieces);
       if (this->Merge && touching.num_coincident > 0)
       {
-        const palpate::MergedMesh merged = palpate::merge_points(scene.mesh, touching);
+        const palpate::MergedMesh merged = palpate::merge_points(scene.body.mesh, touching);
         body = Merged(body, merged);
         scene = OfMerged(scene, merged);
         held = OfMerged(held, merged);
@@ -324,19 +325,20 @@ int vtkPalpateSetBoundary::RequestData(
       double area = 0;
       if (this->Load != NO_LOAD)
       {
-        area = this->LoadFaces(this->LoadBy == SURFACE ? palpate::boundary_points(scene.mesh)
-            : this->LoadBy == CAVITIES                 ? palpate::points_of_cavities(scene.mesh)
-                                                       : loaded,
+        area = this->LoadFaces(this->LoadBy == SURFACE ? palpate::boundary_points(scene.body.mesh)
+            : this->LoadBy == CAVITIES ? palpate::points_of_cavities(scene.body.mesh)
+                                       : loaded,
           scene);
       }
-      scene.touchable = vtkPalpateTouchableSurface(scene.mesh, vtkPalpateHeldPoints(scene));
+      scene.body.touchable =
+        vtkPalpateTouchableSurface(scene.body.mesh, vtkPalpateHeldPoints(scene));
       if (this->TouchableBy != SURFACE)
       {
-        std::transform(scene.touchable.begin(), scene.touchable.end(), touched.begin(),
-          scene.touchable.begin(),
+        std::transform(scene.body.touchable.begin(), scene.body.touchable.end(), touched.begin(),
+          scene.body.touchable.begin(),
           [](char surface, char here) { return static_cast<char>(surface != 0 && here != 0); });
       }
-      if (!Any(scene.touchable))
+      if (!Any(scene.body.touchable))
       {
         vtkWarningMacro("No point of the body may be touched: none of the chosen ones is a corner "
                         "on its surface that is neither fixed nor held along a direction.");
@@ -351,8 +353,8 @@ int vtkPalpateSetBoundary::RequestData(
       {
         vtkPalpateWarn(this, *text);
       }
-      vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, scene.fixed);
-      vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, scene.touchable);
+      vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, scene.body.fixed);
+      vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, scene.body.touchable);
       vtkPalpateAddBoundaryKinds(scene, output);
       vtkPalpateWriteBoundary(scene, output);
       if (this->Load != NO_LOAD)
@@ -370,20 +372,20 @@ int vtkPalpateSetBoundary::RequestData(
 palpate::Scene vtkPalpateSetBoundary::SceneBefore(vtkUnstructuredGrid* body) const
 {
   palpate::Scene scene;
-  scene.mesh = vtkPalpateMeshFromGrid(body);
-  palpate::check_and_orient(scene.mesh);
+  scene.body.mesh = vtkPalpateMeshFromGrid(body);
+  palpate::check_and_orient(scene.body.mesh);
   vtkPalpateReadBoundary(body, scene);
   vtkDataArray* fixed = vtkPalpateScalarArray(body->GetPointData(), vtkPalpateArray::Fixed);
   // Where points are held along directions, fixed points may be held along three of them.
-  scene.fixed = fixed && (this->Support != FIXED || scene.has_supports())
+  scene.body.fixed = fixed && (this->Support != FIXED || scene.body.has_supports())
     ? vtkPalpateChosenPoints(fixed)
-    : std::vector<char>(scene.mesh.points.size(), 0);
+    : std::vector<char>(scene.body.mesh.points.size(), 0);
   return scene;
 }
 
 void vtkPalpateSetBoundary::Hold(const std::vector<char>& points, palpate::Scene& scene) const
 {
-  const std::vector<char> used = palpate::points_in_use(scene.mesh);
+  const std::vector<char> used = palpate::points_in_use(scene.body.mesh);
   std::vector<char> chosen = points;
   std::transform(chosen.begin(), chosen.end(), used.begin(), chosen.begin(),
     [](char isChosen, char inUse) { return static_cast<char>(isChosen != 0 && inUse != 0); });
@@ -401,9 +403,10 @@ void vtkPalpateSetBoundary::Hold(const std::vector<char>& points, palpate::Scene
   switch (this->Support)
   {
     case FIXED:
-      std::transform(chosen.begin(), chosen.end(), scene.fixed.begin(), scene.fixed.begin(),
+      std::transform(chosen.begin(), chosen.end(), scene.body.fixed.begin(),
+        scene.body.fixed.begin(),
         [](char isChosen, char isFixed) { return static_cast<char>(isChosen | isFixed); });
-      if (scene.fixed == used)
+      if (scene.body.fixed == used)
       {
         throw InputError("Every point of the body is fixed: nothing can move. Fix fewer points.");
       }
@@ -423,15 +426,15 @@ void vtkPalpateSetBoundary::Hold(const std::vector<char>& points, palpate::Scene
         throw InputError("SupportStiffness is " + palpate::quantity(this->SupportStiffness) +
           "; give a number above 0, N/m³.");
       }
-      scene.support_stiffness.resize(chosen.size(), 0);
+      scene.body.support_stiffness.resize(chosen.size(), 0);
       for (std::size_t point = 0; point < chosen.size(); ++point)
       {
         if (chosen[point] != 0)
         {
-          scene.support_stiffness[point] = this->SupportStiffness;
+          scene.body.support_stiffness[point] = this->SupportStiffness;
         }
       }
-      if (palpate::faces_with(scene.mesh, scene.support_stiffness).empty())
+      if (palpate::faces_with(scene.body.mesh, scene.body.support_stiffness).empty())
       {
         throw InputError("No face of the surface has all of its corners at the points that FixedBy "
                          "chooses, so that no spring holds it. Choose the points of whole faces.");
@@ -442,15 +445,16 @@ void vtkPalpateSetBoundary::Hold(const std::vector<char>& points, palpate::Scene
         "; it must be 0 (Fixed), 1 (Direction), 2 (Normal), 3 (Springs) or 4 (Nothing).");
   }
   const std::vector<Vec3> normals = this->Support == NORMAL
-    ? palpate::normals_at(scene.mesh, FacesOf(scene.mesh, chosen))
+    ? palpate::normals_at(scene.body.mesh, FacesOf(scene.body.mesh, chosen))
     : std::vector<Vec3>(chosen.size(), direction);
   bool any = false;
-  scene.held_directions.resize(chosen.size(), palpate::HeldDirections::Zero());
+  scene.body.held_directions.resize(chosen.size(), palpate::HeldDirections::Zero());
   for (std::size_t point = 0; point < chosen.size(); ++point)
   {
     if (chosen[point] != 0 && !normals[point].isZero(0))
     {
-      palpate::hold_along(normals[point], scene.held_directions[point], scene.fixed[point]);
+      palpate::hold_along(
+        normals[point], scene.body.held_directions[point], scene.body.fixed[point]);
       any = true;
     }
   }
@@ -478,7 +482,7 @@ double vtkPalpateSetBoundary::LoadFaces(
     throw InputError(std::string(isPressure ? "AppliedPressure" : "AppliedTraction") +
       " is 0 or no number. Give one in Pa, or None as Load.");
   }
-  const std::vector<Index> faces = FacesOf(scene.mesh, chosen);
+  const std::vector<Index> faces = FacesOf(scene.body.mesh, chosen);
   if (faces.empty())
   {
     throw InputError(this->LoadBy == CAVITIES
@@ -490,27 +494,27 @@ double vtkPalpateSetBoundary::LoadFaces(
   }
   if (isPressure)
   {
-    scene.applied_pressure.resize(chosen.size(), 0);
+    scene.body.applied_pressure.resize(chosen.size(), 0);
   }
   else
   {
-    scene.applied_traction.resize(chosen.size(), Vec3::Zero());
+    scene.body.applied_traction.resize(chosen.size(), Vec3::Zero());
   }
   for (const Index point : faces)
   {
     if (isPressure)
     {
-      scene.applied_pressure[point] = this->AppliedPressure;
+      scene.body.applied_pressure[point] = this->AppliedPressure;
     }
     else
     {
-      scene.applied_traction[point] = traction;
+      scene.body.applied_traction[point] = traction;
     }
   }
   // The area includes the faces that were loaded before.
-  return palpate::area_of(scene.mesh,
-    isPressure ? palpate::faces_under_pressure(scene.mesh, scene.applied_pressure)
-               : palpate::faces_with(scene.mesh, scene.applied_traction));
+  return palpate::area_of(scene.body.mesh,
+    isPressure ? palpate::faces_under_pressure(scene.body.mesh, scene.body.applied_pressure)
+               : palpate::faces_with(scene.body.mesh, scene.body.applied_traction));
 }
 
 void vtkPalpateSetBoundary::PrintSelf(ostream& os, vtkIndent indent)

@@ -106,7 +106,12 @@ palpate::Scene vtkPalpateShareScene(
 palpate::Scene vtkPalpateShareSceneOfSpace(
   vtkUnstructuredGrid* body, palpate::Communicator& communicator)
 {
-  return Share<palpate::Scene>(communicator, [&] { return vtkPalpateSceneOfSpace(body); });
+  return Share<palpate::Scene>(communicator,
+    [&]
+    {
+      palpate::SettledBody atRest;
+      return vtkPalpateSceneOfSpace(body, atRest);
+    });
 }
 
 palpate::Scene vtkPalpateShareScene(vtkUnstructuredGrid* body, palpate::Communicator& communicator,

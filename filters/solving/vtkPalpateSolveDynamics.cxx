@@ -317,7 +317,7 @@ std::unique_ptr<vtkPalpateSolveDynamics::Run> vtkPalpateSolveDynamics::Compute(
     run->Body = body;
     run->Contacts = setup->Contacts;
     run->ContactModulus = setup->Contacts.empty() ? 0 : palpate::mean_contact_modulus(setup->Scene);
-    run->Order = setup->Scene.mesh.order;
+    run->Order = setup->Scene.body.mesh.order;
     palpate::with_memory("to solve for the motion of the body",
       [&] { this->Simulate(*setup, std::move(linearSolver), threads, *run); });
   }
@@ -353,7 +353,7 @@ vtkPalpateSolveDynamics::Setup vtkPalpateSolveDynamics::MakeSetup(
   setup.Clear.setZero(3 * tools);
   if (bonded > 0)
   {
-    setup.Tools = palpate::BondedPatches(setup.Scene, this->TipRadius).around_each(nodes);
+    setup.Tools = palpate::BondedPatches(setup.Scene.body, this->TipRadius).around_each(nodes);
   }
   if (!hasRigid)
   {
@@ -361,8 +361,8 @@ vtkPalpateSolveDynamics::Setup vtkPalpateSolveDynamics::MakeSetup(
   }
   const palpate::RigidTool tool =
     palpate::with_defaults(this->Tool->Describe(surface), setup.Scene);
-  const palpate::RigidContact contact = palpate::make_contact(setup.Scene, tool);
-  const palpate::ToolClearance clearance(setup.Scene, contact);
+  const palpate::RigidContact contact = palpate::make_contact(setup.Scene.body, tool);
+  const palpate::ToolClearance clearance(setup.Scene.body, {}, contact);
   const Eigen::VectorXd first = setup.Path.at(0);
   for (int rigid = bonded; rigid < tools; ++rigid)
   {
@@ -392,7 +392,7 @@ void vtkPalpateSolveDynamics::Simulate(
     this, [this, &run] { return run.Steps.empty() ? 0 : run.Steps.back().Time / this->EndTime; });
 
   const std::vector<double> times = this->FrameTimes();
-  run.Frames = std::make_unique<vtkPalpateFrames>(3 * setup.Scene.mesh.points.size());
+  run.Frames = std::make_unique<vtkPalpateFrames>(3 * setup.Scene.body.mesh.points.size());
   palpate::BodyMotion before;
   const auto takeState = [&](const DynamicState& state)
   {

@@ -232,7 +232,7 @@ int vtkPalpateSolveEquilibrium::RequestData(
         scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
         route = this->Tool ? this->ContactRoute(*scene, surface) : this->BondedRoute(*scene);
         // Loads act before a tool holds anything.
-        palpate::PieceSupport(scene->mesh, palpate::holding_points(*scene))
+        palpate::PieceSupport(scene->body.mesh, palpate::holding_points(scene->body))
           .require_held(
             scene->has_load() ? std::vector<palpate::Index>() : palpate::held_points(*route.Tool));
       });
@@ -316,9 +316,8 @@ palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
     if (route.Contact)
     {
       // The tool starts where it is clear of the body as it lies.
-      palpate::Scene settled = scene;
-      settled.settled = { rest.u, rest.p };
-      start = palpate::ToolClearance(settled, palpate::make_contact(settled, route.Rigid))
+      start = palpate::ToolClearance(
+        scene.body, { rest.u, rest.p }, palpate::make_contact(scene.body, route.Rigid))
                 .start_for(route.End);
     }
   }
@@ -347,7 +346,7 @@ vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::BondedRoute(
   const palpate::Scene& scene) const
 {
   Route route;
-  route.Tool = palpate::BondedPatches(scene, this->TipRadius)
+  route.Tool = palpate::BondedPatches(scene.body, this->TipRadius)
                  .around_each(vtkPalpateActiveNodes(this->ActiveNodes))
                  .clone();
   route.End = Eigen::Map<const Eigen::VectorXd>(
@@ -360,11 +359,11 @@ vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::ContactRoute(
   const palpate::Scene& scene, vtkPolyData* surface)
 {
   const palpate::RigidTool tool = palpate::with_defaults(this->Tool->Describe(surface), scene);
-  const palpate::RigidContact contact = palpate::make_contact(scene, tool);
+  const palpate::RigidContact contact = palpate::make_contact(scene.body, tool);
   Route route;
   route.Rigid = tool;
   route.End = palpate::Vec3(this->ToolPosition);
-  route.Start = palpate::ToolClearance(scene, contact).start_for(route.End);
+  route.Start = palpate::ToolClearance(scene.body, {}, contact).start_for(route.End);
   route.Tool = contact.clone();
   route.Contact = static_cast<const palpate::RigidContact*>(route.Tool.get());
   return route;
@@ -384,7 +383,7 @@ void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene, const R
     palpate::contact_layer_force(patch.layer_depth, state.reaction, state.stiffness);
   vtkPalpateAddNumber(output, "ContactLayerForce", layerForce);
   const double meshError =
-    palpate::expected_mesh_error(scene.mesh.order, patch.longest_edge, patch.area);
+    palpate::expected_mesh_error(scene.body.mesh.order, patch.longest_edge, patch.area);
   vtkPalpateAddNumber(output, "ContactMeshError", meshError);
   const double radius = 0.5 * route.Contact->shape().bounds().sizes().minCoeff();
   if (patch.longest_edge > radius)
@@ -430,8 +429,8 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route&
   constexpr std::size_t perPoint = 30;
   constexpr std::size_t perCell = 20;
   palpate::require_memory(sizeof(double) *
-      (perPoint * scene.mesh.points.size() +
-        perCell * static_cast<std::size_t>(scene.mesh.num_cells())),
+      (perPoint * scene.body.mesh.points.size() +
+        perCell * static_cast<std::size_t>(scene.body.mesh.num_cells())),
     "for the deformed body");
   AddResult(output, state);
   vtkPalpateAddInteger(output, "Unknowns", solver.assembly().pattern().size);
@@ -439,7 +438,7 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route&
   if (this->Stress)
   {
     const palpate::BodyStress stress =
-      palpate::find_stress(solver.assembly(), scene.mesh, state.u, state.p);
+      palpate::find_stress(solver.assembly(), scene.body.mesh, state.u, state.p);
     vtkPalpateAddStress(stress.of_cells, output->GetCellData());
     vtkPalpateAddStress(stress.at_points, output->GetPointData());
   }

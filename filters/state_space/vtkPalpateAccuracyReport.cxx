@@ -189,7 +189,8 @@ void FillPoints(const palpate::TouchSpace& space, const AccuracyResult& result, 
   for (const AccuracyPoint& point : all)
   {
     const palpate::Vec3 place =
-      space.find(point.active_node)->setup.interaction.material_point + point.exact.t;
+      space.find({ point.active_node, palpate::kFirstBody })->setup.interaction.material_point +
+      point.exact.t;
     vertices->InsertNextCell({ points->InsertNextPoint(place.data()) });
   }
   data->SetPoints(points);

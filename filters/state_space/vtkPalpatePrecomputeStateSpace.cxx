@@ -43,7 +43,7 @@ std::string KeyOf(const palpate::Scene& scene, const palpate::PrecomputeOptions&
   vtkImplicitFunction* region)
 {
   palpate::ContentHash key;
-  key.add(palpate::hash(scene)).add(scene.touchable).add(options.active_nodes);
+  key.add(palpate::hash(scene)).add(scene.body.touchable).add(options.active_nodes);
   key.add(options.tip_radius).add(options.half_width).add(options.resolution);
   key.add(options.tolerance).add(options.tolerance_is_relative).add(options.force_limit);
   key.add(options.history).add(options.intermediate_states);
@@ -159,11 +159,10 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
 
 struct vtkPalpatePrecomputeStateSpace::Growth
 {
-  Growth(palpate::Scene scene, const palpate::PrecomputeOptions& options, std::string of)
+  Growth(const palpate::BodyOfRun& body, const palpate::PrecomputeOptions& options, std::string of)
     : Of(std::move(of))
     , Communicator(palpate::make_serial_communicator())
-    , Session(palpate::begin_exploration(std::make_shared<const palpate::Scene>(std::move(scene)),
-        options, *this->Communicator,
+    , Session(palpate::begin_exploration({ body }, options, *this->Communicator,
         [this](const palpate::ProgressState& state) { return this->Tell(state); }))
   {
   }
@@ -358,7 +357,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     {
       return;
     }
-    palpate::Scene scene = vtkPalpateShareScene(body, communicator, palpate::Vec3(this->BodyForce));
+    const auto scene = std::make_shared<const palpate::Scene>(
+      vtkPalpateShareScene(body, communicator, palpate::Vec3(this->BodyForce)));
     if (this->UpdateInterval > 0 && this->FileName.empty())
     {
       throw palpate::InputError("A space with an update interval goes on from its file. Set "
@@ -384,7 +384,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
 
     const std::string of =
-      KeyOf(scene, options, this->UseToolRegion ? this->ToolRegion.Get() : nullptr);
+      KeyOf(*scene, options, this->UseToolRegion ? this->ToolRegion.Get() : nullptr);
     const bool fileIsThere = this->FileName.empty() || std::filesystem::exists(this->FileName);
     if (!palpate::any(communicator, of != this->LastOf || !fileIsThere))
     {
@@ -393,6 +393,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
     this->LastOf.clear();
 
+    const palpate::BodyOfRun ofRun{ scene, options.active_nodes };
     const palpate::Progress tell = vtkPalpateProgress(
       this, communicator.rank(), this->LogInterval, "Precompute State Space", "configurations");
     palpate::PrecomputeResult result;
@@ -403,7 +404,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       if (!growth || growth->Of != of || !fileIsThere)
       {
         growth.reset();
-        growth = std::make_unique<Growth>(scene, options, of);
+        growth = std::make_unique<Growth>(ofRun, options, of);
       }
       result = growth->GoOn(this->UpdateInterval, tell);
       if (growth->Session->state() == palpate::ExplorationSession::State::paused)
@@ -420,7 +421,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
         const bool isDue = this->UpdateInterval > 0 && state.seconds >= this->UpdateInterval;
         return tell(state) && !(isDue && state.num_solved > 0);
       };
-      result = palpate::precompute(scene, options, communicator, progress);
+      result = palpate::precompute({ ofRun }, options, communicator, progress);
     }
     const bool grows = this->UpdateInterval > 0 && !result.report.complete &&
       !palpate::any(communicator, this->GetAbortExecute() != 0);
@@ -441,8 +442,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       keep();
       return;
     }
-    scene.settled = result.settled;
-    vtkPalpateFillCollection(scene, std::move(result.space), output);
+    vtkPalpateFillCollection(result.bodies, std::move(result.space), output);
     for (const auto& configurations : vtkPalpateConfigurations(output))
     {
       vtkPalpateAddFile(this->FileName, result.report.complete, configurations->GetFieldData());

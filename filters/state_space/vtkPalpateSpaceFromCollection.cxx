@@ -55,12 +55,12 @@ vtkDataArray* Required(vtkFieldData* data, const char* name, int components)
 }
 
 /// The modes of an active node [3 x points, modes]; where there are none, there is no array.
-Eigen::MatrixXf ReadModes(vtkPointData* data, vtkIdType points, Index node)
+Eigen::MatrixXf ReadModes(vtkPointData* data, vtkIdType points, const palpate::ToolSpaceKey& key)
 {
-  vtkDataArray* array = data->GetArray(ModesName(false, node).c_str());
+  vtkDataArray* array = data->GetArray(ModesName(false, key).c_str());
   if (!array)
   {
-    array = data->GetArray(ModesName(true, node).c_str());
+    array = data->GetArray(ModesName(true, key).c_str());
   }
   Eigen::MatrixXf modes(3 * points, array ? array->GetNumberOfComponents() / 3 : 0);
   for (vtkIdType p = 0; p < points; ++p)
@@ -145,7 +145,8 @@ void ReadOutcomes(vtkPointData* arrays, std::vector<Item>& all)
   }
 }
 
-void ReadContact(vtkFieldData* fields, palpate::ToolSpaceSetup& setup)
+/// @param number The number of the tool space among those of the rigid tool.
+void ReadContact(vtkFieldData* fields, vtkIdType number, palpate::ToolSpaceSetup& setup)
 {
   setup.id = palpate::kContactToolSpace;
   setup.interaction.kind = palpate::InteractionKind::rigid_contact;
@@ -153,13 +154,13 @@ void ReadContact(vtkFieldData* fields, palpate::ToolSpaceSetup& setup)
   VisitContact(setup,
     [&](const char* name, auto& value)
     {
-      value =
-        static_cast<std::decay_t<decltype(value)>>(Required(fields, name, 1)->GetComponent(0, 0));
+      value = static_cast<std::decay_t<decltype(value)>>(
+        Required(fields, name, 1)->GetComponent(number, 0));
     });
   palpate::RigidTool& tool = setup.interaction.tool;
   if (fields->GetArray(ContactOffset))
   {
-    tool.law.offset = Required(fields, ContactOffset, 1)->GetComponent(0, 0);
+    tool.law.offset = Required(fields, ContactOffset, 1)->GetComponent(number, 0);
   }
   if (tool.shape != palpate::ToolShape::surface)
   {
@@ -186,6 +187,22 @@ std::string SceneHash(vtkDataSet* configurations)
   auto* hash =
     vtkStringArray::SafeDownCast(configurations->GetFieldData()->GetAbstractArray("SceneHash"));
   return hash && hash->GetNumberOfValues() > 0 ? hash->GetValue(0) : "";
+}
+
+/// The body of each point of some data: that of the array BodyNumber, or the first one.
+std::vector<palpate::BodyId> BodiesOfPoints(vtkDataSet* data)
+{
+  std::vector<palpate::BodyId> bodies(
+    static_cast<std::size_t>(data->GetNumberOfPoints()), palpate::kFirstBody);
+  if (data->GetPointData()->HasArray(BodyNumber))
+  {
+    vtkDataArray* numbers = Required(data->GetPointData(), BodyNumber, 1);
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+    {
+      bodies[i] = static_cast<palpate::BodyId>(numbers->GetComponent(static_cast<vtkIdType>(i), 0));
+    }
+  }
+  return bodies;
 }
 
 /// @param surface The data that have the modes.
@@ -227,6 +244,11 @@ void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space
   vtkDataArray* toolSpaces = Required(fields, "ActiveNodes", 1);
 
   vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
+  const std::vector<palpate::BodyId> bodies = BodiesOfPoints(data);
+  const bool hasBodies = fields->HasArray(BodyNumbers) != 0;
+  vtkDataArray* bodyNumbers = hasBodies ? Required(fields, BodyNumbers, 1) : nullptr;
+  vtkDataArray* places = hasBodies ? Required(fields, MaterialPoints, 3) : nullptr;
+  vtkIdType numPressing = 0;
   vtkDataArray* coefficients = arrays->GetArray("Coefficients");
   const int most = coefficients ? coefficients->GetNumberOfComponents() : 0;
   vtkDataArray* gradients = most > 0 ? Required(arrays, "CoefficientGradient", 3 * most) : nullptr;
@@ -236,6 +258,10 @@ void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space
     const auto node = static_cast<Index>(toolSpaces->GetComponent(s, 0));
     toolSpace.setup.id = node;
     toolSpace.setup.interaction.active_node = node;
+    if (hasBodies)
+    {
+      toolSpace.setup.body = static_cast<palpate::BodyId>(bodyNumbers->GetComponent(s, 0));
+    }
     VisitSetup(toolSpace.setup,
       [&](const char* name, auto& value)
       {
@@ -245,7 +271,8 @@ void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space
     std::vector<vtkIdType> ids;
     for (vtkIdType i = 0; i < count; ++i)
     {
-      if (static_cast<Index>(nodes->GetComponent(i, 0)) == node)
+      if (static_cast<Index>(nodes->GetComponent(i, 0)) == node &&
+        bodies[static_cast<std::size_t>(i)] == toolSpace.setup.body)
       {
         ids.push_back(i);
       }
@@ -254,7 +281,8 @@ void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space
     std::sort(ids.begin(), ids.end(), [&](vtkIdType a, vtkIdType b) { return all[a] < all[b]; });
     if (node >= 0)
     {
-      toolSpace.modes = ReadModes(surface->GetPointData(), surface->GetNumberOfPoints(), node);
+      toolSpace.modes =
+        ReadModes(surface->GetPointData(), surface->GetNumberOfPoints(), toolSpace.setup.key());
     }
     const int own = static_cast<int>(toolSpace.modes.cols());
     if (own > most)
@@ -280,7 +308,11 @@ void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space
     }
     if (node < 0)
     {
-      ReadContact(fields, toolSpace.setup);
+      ReadContact(fields, numPressing++, toolSpace.setup);
+    }
+    else if (places)
+    {
+      places->GetTuple(s, toolSpace.setup.interaction.material_point.data());
     }
     else if (const Index point = space.surface.find(node); point >= 0)
     {
@@ -288,7 +320,7 @@ void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space
     }
   }
   std::sort(space.tool_spaces.begin(), space.tool_spaces.end(),
-    [](const TouchToolSpace& a, const TouchToolSpace& b) { return a.setup.id < b.setup.id; });
+    [](const TouchToolSpace& a, const TouchToolSpace& b) { return a.setup.key() < b.setup.key(); });
 }
 
 /// Reads the intermediate states of the tool spaces that the space has.
@@ -300,13 +332,15 @@ void ReadIntermediateStates(vtkDataSet* data, TouchSpace& space)
   ForEachIntArrayOfStates(IntReader(arrays, all));
   ReadOutcomes(arrays, all);
   vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
+  const std::vector<palpate::BodyId> bodies = BodiesOfPoints(data);
   for (TouchToolSpace& toolSpace : space.tool_spaces)
   {
     std::vector<IntermediateState>& states = toolSpace.intermediate_states;
     for (std::size_t i = 0; i < all.size(); ++i)
     {
       if (nodes->GetComponent(static_cast<vtkIdType>(i), 0) ==
-        toolSpace.setup.interaction.active_node)
+          toolSpace.setup.interaction.active_node &&
+        bodies[i] == toolSpace.setup.body)
       {
         states.push_back(all[i]);
       }
@@ -371,14 +405,45 @@ void ExpectOneSpace(const vtkPalpatePieces& configurations)
   }
 }
 
+/// The bodies on rank 0, in the order of their numbers.
+std::vector<vtkSmartPointer<vtkUnstructuredGrid>> GatherBodies(
+  vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller)
+{
+  // The blocks are the same on every rank.
+  const auto hasBlock = [&](const std::string& name)
+  {
+    for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
+    {
+      if (collection->HasMetaData(i) &&
+        name == collection->GetMetaData(i)->Get(vtkCompositeDataSet::NAME()))
+      {
+        return true;
+      }
+    }
+    return false;
+  };
+  std::vector<vtkSmartPointer<vtkUnstructuredGrid>> bodies;
+  palpate::BodyId number = palpate::kFirstBody;
+  do
+  {
+    bodies.push_back(vtkPalpateGatherBody(vtkPalpateBody(collection, number), controller));
+  } while (hasBlock(BodyBlockName(++number)));
+  return bodies;
+}
+
 /// The pieces as one data set, null where there is none.
-/// @param keys The arrays by which a point is known, and their components.
+/// @param keys The arrays by which a point is known, and their components. BodyNumber is one more,
+///   where it is there.
 vtkSmartPointer<vtkDataSet> Join(
-  const vtkPalpatePieces& pieces, const std::vector<std::pair<const char*, int>>& keys)
+  const vtkPalpatePieces& pieces, std::vector<std::pair<const char*, int>> keys)
 {
   if (pieces.empty())
   {
     return nullptr;
+  }
+  if (pieces.front()->GetPointData()->HasArray(BodyNumber))
+  {
+    keys.emplace_back(BodyNumber, 1);
   }
   return vtkPalpateJoin(pieces,
     [&keys](vtkPointSet* piece)
@@ -393,9 +458,9 @@ vtkSmartPointer<vtkDataSet> Join(
 }
 }
 
-vtkPalpatePieces vtkPalpateBody(vtkPartitionedDataSetCollection* collection)
+vtkPalpatePieces vtkPalpateBody(vtkPartitionedDataSetCollection* collection, palpate::BodyId body)
 {
-  return FindBlock(collection, BlockNames[0]);
+  return FindBlock(collection, BodyBlockName(body));
 }
 
 std::vector<vtkSmartPointer<vtkDataSet>> vtkPalpateConfigurations(
@@ -412,9 +477,11 @@ TouchSpace vtkPalpateSpaceFromCollection(
   const vtkPalpatePieces surfaces = gather(BlockNames[1]);
   const vtkPalpatePieces allConfigurations = gather(BlockNames[2]);
   const vtkPalpatePieces allStates = gather(BlockNames[3]);
-  const auto body = HasContact(allConfigurations, controller)
-    ? vtkPalpateGatherBody(vtkPalpateBody(collection), controller)
-    : nullptr;
+  std::vector<vtkSmartPointer<vtkUnstructuredGrid>> bodies;
+  if (HasContact(allConfigurations, controller))
+  {
+    bodies = GatherBodies(collection, controller);
+  }
   TouchSpace space;
   if (controller && controller->GetLocalProcessId() != 0)
   {
@@ -442,7 +509,15 @@ TouchSpace vtkPalpateSpaceFromCollection(
   {
     if (toolSpace.setup.presses())
     {
-      palpate::add_clearance(vtkPalpateSceneOfSpace(body), toolSpace);
+      const auto place = static_cast<std::size_t>(toolSpace.setup.body - palpate::kFirstBody);
+      if (place >= bodies.size())
+      {
+        throw InputError("The state space has no block " + BodyBlockName(toolSpace.setup.body) +
+          ". Use the output of Precompute State Space or State Space Reader.");
+      }
+      palpate::SettledBody atRest;
+      const palpate::Scene scene = vtkPalpateSceneOfSpace(bodies[place], atRest);
+      palpate::add_clearance(scene.body, atRest, toolSpace);
     }
   }
   return space;

@@ -62,6 +62,32 @@ bool HasOneNode(const TouchSpace& space)
            [](const TouchToolSpace& toolSpace) { return !toolSpace.setup.presses(); }) == 1;
 }
 
+bool HasSeveralBodies(const TouchSpace& space)
+{
+  return std::any_of(space.tool_spaces.begin(), space.tool_spaces.end(),
+    [](const TouchToolSpace& toolSpace) { return toolSpace.setup.body != palpate::kFirstBody; });
+}
+
+/// Adds the bodies of the configurations or of the intermediate states.
+template <class ItemsOf>
+void AddBodyNumbers(const TouchSpace& space, vtkPointData* arrays, const ItemsOf& itemsOf)
+{
+  if (!HasSeveralBodies(space))
+  {
+    return;
+  }
+  vtkNew<vtkIdTypeArray> numbers;
+  numbers->SetName(BodyNumber);
+  for (const TouchToolSpace& toolSpace : space.tool_spaces)
+  {
+    for (std::size_t i = 0; i < itemsOf(toolSpace).size(); ++i)
+    {
+      numbers->InsertNextValue(toolSpace.setup.body);
+    }
+  }
+  arrays->AddArray(numbers);
+}
+
 void AddModes(const TouchSpace& space, const TouchToolSpace& toolSpace, vtkPointData* arrays)
 {
   const Eigen::MatrixXf& modes = toolSpace.modes;
@@ -70,7 +96,7 @@ void AddModes(const TouchSpace& space, const TouchToolSpace& toolSpace, vtkPoint
   {
     return;
   }
-  const std::string name = ModesName(HasOneNode(space), toolSpace.setup.interaction.active_node);
+  const std::string name = ModesName(HasOneNode(space), toolSpace.setup.key());
   auto* array = AddArray<vtkFloatArray>(
     arrays, name.c_str(), static_cast<int>(3 * modes.cols()), space.surface.num_points());
   for (Index p = 0; p < space.surface.num_points(); ++p)
@@ -254,6 +280,9 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
       }
     }
   }
+  AddBodyNumbers(
+    space, arrays,
+    [](const TouchToolSpace& toolSpace) -> const auto& { return toolSpace.configurations; });
   arrays->SetActiveScalars("Force");
   return data;
 }
@@ -284,22 +313,41 @@ vtkSmartPointer<vtkPolyData> IntermediateStateData(const TouchSpace& space)
   ForEachIntArrayOfStates(ArrayMaker<vtkIntArray>(arrays, all));
   AddOutcomes(arrays, all);
   arrays->AddArray(nodes);
+  AddBodyNumbers(
+    space, arrays,
+    [](const TouchToolSpace& toolSpace) -> const auto& { return toolSpace.intermediate_states; });
   arrays->SetActiveScalars("Force");
   return data;
 }
 
-/// A space has one rigid tool at the most.
+/// A space has one rigid tool at the most, which may press several bodies. Each of their tool
+/// spaces has an entry in the arrays.
 void AddContactFields(const TouchSpace& space, vtkFieldData* fields)
 {
-  const TouchToolSpace* found = space.find_pressing();
-  if (!found)
+  std::vector<const palpate::ToolSpaceSetup*> setups;
+  for (const TouchToolSpace& toolSpace : space.tool_spaces)
+  {
+    if (toolSpace.setup.presses())
+    {
+      setups.push_back(&toolSpace.setup);
+    }
+  }
+  if (setups.empty())
   {
     return;
   }
-  VisitContact(found->setup,
-    [&](const char* name, auto value) { AddNumber(fields, name, static_cast<double>(value)); });
-  const palpate::RigidTool& tool = found->setup.interaction.tool;
-  AddNumber(fields, ContactOffset, tool.law.offset);
+  const auto count = static_cast<vtkIdType>(setups.size());
+  const palpate::RigidTool& tool = setups.front()->interaction.tool;
+  VisitContact(*setups.front(),
+    [&](const char* name, auto) { AddArray<vtkDoubleArray>(fields, name, 1, count); });
+  auto* offsets = AddArray<vtkDoubleArray>(fields, ContactOffset, 1, count);
+  for (vtkIdType s = 0; s < count; ++s)
+  {
+    VisitContact(*setups[s],
+      [&](const char* name, auto value)
+      { fields->GetArray(name)->SetComponent(s, 0, static_cast<double>(value)); });
+    offsets->SetValue(s, setups[s]->interaction.tool.law.offset);
+  }
   if (tool.shape != palpate::ToolShape::surface)
   {
     return;
@@ -335,6 +383,17 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
         std::conditional_t<std::is_same_v<decltype(value), double>, vtkDoubleArray, vtkIntArray>;
       AddArray<Array>(fields, name, 1, count);
     });
+  if (HasSeveralBodies(space))
+  {
+    auto* bodies = AddArray<vtkIdTypeArray>(fields, BodyNumbers, 1, count);
+    auto* places = AddArray<vtkDoubleArray>(fields, MaterialPoints, 3, count);
+    for (vtkIdType i = 0; i < count; ++i)
+    {
+      const palpate::ToolSpaceSetup& setup = space.tool_spaces[i].setup;
+      bodies->SetValue(i, setup.body);
+      places->SetTypedTuple(i, setup.interaction.material_point.data());
+    }
+  }
   auto* numbers = AddArray<vtkIdTypeArray>(fields, "NumberOfConfigurations", 1, count);
   for (vtkIdType i = 0; i < count; ++i)
   {
@@ -353,25 +412,34 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
 
 }
 
-void vtkPalpateNameBlocks(vtkPartitionedDataSetCollection* output, bool hasIntermediateStates)
+void vtkPalpateNameBlocks(
+  vtkPartitionedDataSetCollection* output, bool hasIntermediateStates, std::size_t numBodies)
 {
+  std::vector<std::string> names(BlockNames, BlockNames + (hasIntermediateStates ? 4 : 3));
+  for (std::size_t b = 1; b < numBodies; ++b)
+  {
+    names.push_back(BodyBlockName(palpate::kFirstBody + static_cast<palpate::BodyId>(b)));
+  }
   output->Initialize();
-  const unsigned int count = hasIntermediateStates ? 4 : 3;
-  output->SetNumberOfPartitionedDataSets(count);
-  for (unsigned int i = 0; i < count; ++i)
+  output->SetNumberOfPartitionedDataSets(static_cast<unsigned int>(names.size()));
+  for (unsigned int i = 0; i < names.size(); ++i)
   {
     output->SetPartitionedDataSet(i, vtkNew<vtkPartitionedDataSet>());
-    output->GetMetaData(i)->Set(vtkCompositeDataSet::NAME(), BlockNames[i]);
+    output->GetMetaData(i)->Set(vtkCompositeDataSet::NAME(), names[i].c_str());
   }
 }
 
 namespace
 {
 /// The approximate memory of the data of a space, bytes: arrays grow by doubling.
-std::size_t DataBytes(const palpate::Scene& scene, const TouchSpace& space)
+std::size_t DataBytes(const std::vector<palpate::SpaceBody>& bodies, const TouchSpace& space)
 {
-  std::size_t bytes =
-    sizeof(palpate::Vec3) * scene.mesh.points.size() + sizeof(vtkIdType) * scene.mesh.cells.size();
+  std::size_t bytes = 0;
+  for (const palpate::SpaceBody& body : bodies)
+  {
+    bytes += sizeof(palpate::Vec3) * body.mesh().points.size() +
+      sizeof(vtkIdType) * body.mesh().cells.size();
+  }
   for (const TouchToolSpace& toolSpace : space.tool_spaces)
   {
     bytes += sizeof(palpate::ConfigurationSummary) * toolSpace.configurations.size() +
@@ -383,18 +451,24 @@ std::size_t DataBytes(const palpate::Scene& scene, const TouchSpace& space)
 }
 }
 
-void vtkPalpateFillCollection(
-  const palpate::Scene& scene, TouchSpace space, vtkPartitionedDataSetCollection* output)
+void vtkPalpateFillCollection(const std::vector<palpate::SpaceBody>& bodies, TouchSpace space,
+  vtkPartitionedDataSetCollection* output)
 {
-  palpate::require_memory(DataBytes(scene, space), "for the data of the state space");
+  palpate::require_memory(DataBytes(bodies, space), "for the data of the state space");
   const auto configurations = ConfigurationData(space);
   AddSpaceFields(space, configurations->GetFieldData());
-  output->SetPartition(0, 0, vtkPalpateGridFromScene(scene));
   output->SetPartition(1, 0, SurfaceData(space));
   output->SetPartition(2, 0, configurations);
-  if (vtkPalpateHasIntermediateStates(space))
+  const bool hasStates = vtkPalpateHasIntermediateStates(space);
+  if (hasStates)
   {
     output->SetPartition(3, 0, IntermediateStateData(space));
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+  {
+    const std::size_t block = b == 0 ? 0 : b + (hasStates ? 3 : 2);
+    output->SetPartition(static_cast<unsigned int>(block), 0,
+      vtkPalpateGridFromScene(*bodies[b].scene, bodies[b].at_rest));
   }
 }
 

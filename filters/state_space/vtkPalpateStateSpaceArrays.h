@@ -7,6 +7,7 @@
 
 #include "base/outcome.h"
 #include "base/types.h"
+#include "state_space/tool_space_key.h"
 
 namespace vtkPalpateStateSpaceArrays
 {
@@ -15,11 +16,25 @@ constexpr const char* ThirdDerivative = "ThirdDerivative";
 constexpr const char* FileName = "FileName";
 constexpr const char* LevelsReached = "LevelsReached";
 
+/// The arrays of a space of several bodies: the body of each configuration and intermediate state,
+/// and of each tool space the body and the material point (m).
+constexpr const char* BodyNumber = "BodyNumber";
+constexpr const char* BodyNumbers = "BodyNumbers";
+constexpr const char* MaterialPoints = "MaterialPoints";
+
+/// The name of the block of a body: "Body", "Body2", … A selector of blocks knows no spaces.
+inline std::string BodyBlockName(palpate::BodyId body)
+{
+  return BlockNames[0] + (body == palpate::kFirstBody ? "" : std::to_string(body));
+}
+
 /// The name of the array of an active node's modes. If there is only one active node, the name has
 /// no number.
-inline std::string ModesName(bool isOnly, palpate::Index node)
+inline std::string ModesName(bool isOnly, const palpate::ToolSpaceKey& key)
 {
-  return isOnly ? "Modes" : "Modes " + std::to_string(node);
+  return isOnly ? "Modes"
+                : "Modes " + std::to_string(key.id) +
+      (key.body == palpate::kFirstBody ? "" : " of Body " + std::to_string(key.body));
 }
 
 /// Calls visit(name, components, get) for every figure of a configuration that is a double;

@@ -2,12 +2,15 @@
 #include "vtkPalpateStateSpaceReader.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "schedule/communicator.h"
+#include "schedule/packing.h"
 #include "state_space/touch_space.h"
 #include "storage/state_space_file.h"
 #include "storage/stored_touch_space.h"
@@ -49,6 +52,19 @@ bool vtkPalpateStateSpaceReader::GetNeedsUpdate()
   return true;
 }
 
+namespace
+{
+/// The number of bodies that rank 0 has read.
+std::size_t NumberOnFirstRank(
+  const std::vector<palpate::SpaceBody>& bodies, palpate::Communicator& communicator)
+{
+  palpate::Packer mine;
+  mine.put(static_cast<std::int64_t>(bodies.size()));
+  const std::vector<palpate::Bytes> all = communicator.all_gather(mine.take());
+  return static_cast<std::size_t>(palpate::Unpacker(all.front()).take<std::int64_t>());
+}
+}
+
 int vtkPalpateStateSpaceReader::RequestData(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
@@ -59,7 +75,7 @@ int vtkPalpateStateSpaceReader::RequestData(
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&](palpate::Communicator& communicator)
     {
-      palpate::Scene scene;
+      std::vector<palpate::SpaceBody> bodies;
       palpate::TouchSpace space;
       bool complete = false;
       palpate::agree(communicator,
@@ -76,7 +92,7 @@ int vtkPalpateStateSpaceReader::RequestData(
           std::error_code missing; // Opening it says so.
           this->Written = std::filesystem::last_write_time(this->FileName, missing);
           const auto file = palpate::StateSpaceFile::open_read_only(this->FileName);
-          scene = file.read_scene();
+          bodies = file.read_bodies();
           space = palpate::make_touch_space(file, this->DisplacementBound);
           const auto toolSpaces = file.read_tool_spaces();
           complete = space.left_out.empty() &&
@@ -88,14 +104,15 @@ int vtkPalpateStateSpaceReader::RequestData(
         vtkPalpateGrow(this, controller);
       }
       // The blocks are the same on every rank.
-      vtkPalpateNameBlocks(
-        output, palpate::any(communicator, vtkPalpateHasIntermediateStates(space)));
+      vtkPalpateNameBlocks(output,
+        palpate::any(communicator, vtkPalpateHasIntermediateStates(space)),
+        NumberOnFirstRank(bodies, communicator));
       if (!reads)
       {
         return;
       }
       const std::vector<std::string> leftOut = space.left_out;
-      vtkPalpateFillCollection(scene, std::move(space), output);
+      vtkPalpateFillCollection(bodies, std::move(space), output);
       for (const auto& configurations : vtkPalpateConfigurations(output))
       {
         vtkPalpateAddFile(this->FileName, complete, configurations->GetFieldData());

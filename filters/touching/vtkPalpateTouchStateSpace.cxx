@@ -49,9 +49,9 @@ using palpate::Index;
 using palpate::TouchSpace;
 using palpate::TouchToolSpace;
 
-/// The tool space of a node.
+/// The tool space of a node of a body.
 /// @throws palpate::InputError the node is not in the space: the message says which nodes are.
-const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node)
+const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node, palpate::BodyId body)
 {
   if (space.tool_spaces.empty())
   {
@@ -62,7 +62,7 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node)
     return space.tool_spaces.front();
   }
   const auto index = static_cast<palpate::Index>(node);
-  if (const TouchToolSpace* toolSpace = space.find(index); toolSpace && index == node)
+  if (const TouchToolSpace* toolSpace = space.find({ index, body }); toolSpace && index == node)
   {
     return *toolSpace;
   }
@@ -71,7 +71,7 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node)
   std::string nodes;
   for (const TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    if (toolSpace.setup.presses() || ++number > mostNamed)
+    if (toolSpace.setup.presses() || toolSpace.setup.body != body || ++number > mostNamed)
     {
       continue;
     }
@@ -81,8 +81,15 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node)
   {
     nodes += ", …";
   }
-  const std::string notThere =
-    "Active node " + std::to_string(node) + " is not in the state space, which has ";
+  const bool hasBodies = std::any_of(space.tool_spaces.begin(), space.tool_spaces.end(),
+    [](const TouchToolSpace& of) { return of.setup.body != palpate::kFirstBody; });
+  const std::string notThere = "Active node " + std::to_string(node) + " is not " +
+    (hasBodies ? "on body " + std::to_string(body) + " of" : "in") + " the state space, which has ";
+  if (number == 0 && hasBodies)
+  {
+    throw palpate::InputError(
+      notThere + "no active node there. Set BodyNumber to the body of the node.");
+  }
   if (number == 0)
   {
     throw palpate::InputError(notThere + "none, but a rigid tool: give -1 and its ToolPosition.");
@@ -126,7 +133,7 @@ Eigen::VectorXf BySurfaceModes(
 /// The parts that need more than the surface.
 struct WholeBodyOf
 {
-  explicit WholeBodyOf(const TouchSpace& space)
+  WholeBodyOf(const TouchSpace& space, palpate::BodyId body)
     : Fields(space.file, space.scene_hash)
   {
     if (space.file.empty())
@@ -135,21 +142,23 @@ struct WholeBodyOf
                                 "need the displacement of every point, which is kept in a file "
                                 "alone: give Precompute State Space a FileName.");
     }
-    this->Scene = this->Fields.read_scene();
-    this->Rest = vtkPalpateGridFromScene(this->Scene);
-    if (const TouchToolSpace* pressing = space.find_pressing())
+    this->Body = this->Fields.read_body(body);
+    this->Rest = vtkPalpateGridFromScene(*this->Body.scene, this->Body.at_rest);
+    const TouchToolSpace* pressing = space.find_pressing();
+    if (pressing && pressing->setup.body == body)
     {
-      this->Contact.emplace(palpate::make_contact(this->Scene, pressing->setup.interaction.tool));
-      this->ContactSpace = pressing->setup.id;
+      this->Contact.emplace(
+        palpate::make_contact(this->Body.scene->body, pressing->setup.interaction.tool));
+      this->ContactSpace = pressing->setup.key();
     }
   }
 
   palpate::FieldCache Fields;
-  palpate::Scene Scene;
+  palpate::SpaceBody Body;
   vtkSmartPointer<vtkUnstructuredGrid> Rest;
   /// The contact of the tool that presses, and its tool space.
   std::optional<palpate::RigidContact> Contact;
-  palpate::ToolSpaceId ContactSpace = 0;
+  palpate::ToolSpaceKey ContactSpace;
   /// The assembly, which is made when stress is first asked for.
   std::optional<palpate::Assembly> Assembly;
   /// The displacement of every point from rest [3 x points], m, and the pressures of mixed cells,
@@ -160,12 +169,12 @@ struct WholeBodyOf
   /// The same from the mesh of the scene on, which may sag under a body force.
   [[nodiscard]] palpate::NodalVector DisplacementOfMesh() const
   {
-    const palpate::NodalVector& rest = this->Scene.settled.u;
+    const palpate::NodalVector& rest = this->Body.at_rest.u;
     return rest.size() == 0 ? this->Displacement : this->Displacement + rest;
   }
   [[nodiscard]] palpate::NodalVector WholePressure() const
   {
-    const palpate::NodalVector& rest = this->Scene.settled.p;
+    const palpate::NodalVector& rest = this->Body.at_rest.p;
     if (this->Pressure.size() == 0)
     {
       return rest;
@@ -188,10 +197,10 @@ struct vtkPalpateTouchStateSpace::Prepared
     std::unique_ptr<palpate::DisplayField> Field;
     std::unique_ptr<palpate::BodyField> BodyField;
   };
-  std::map<vtkIdType, palpate::SolutionBranches> BranchesOfNode;
-  std::map<std::pair<vtkIdType, int>, Branch> Branches;
-  /// The branch that was asked for: its node and its number.
-  vtkIdType Node = -1;
+  std::map<palpate::ToolSpaceKey, palpate::SolutionBranches> BranchesOfSpace;
+  std::map<std::pair<palpate::ToolSpaceKey, int>, Branch> Branches;
+  /// The branch that was asked for: its tool space and its number.
+  palpate::ToolSpaceKey Key;
   int OnBranch = 0;
   /// The whole body, as long as it is asked for.
   std::unique_ptr<WholeBodyOf> Whole;
@@ -206,9 +215,9 @@ struct vtkPalpateTouchStateSpace::Prepared
   Branch& Find(const TouchToolSpace& toolSpace, const palpate::Vec3& start, int startBranch,
     const palpate::Vec3& t, int branch)
   {
-    this->Node = toolSpace.setup.id;
+    this->Key = toolSpace.setup.key();
     const palpate::SolutionBranches& branches =
-      this->BranchesOfNode.try_emplace(this->Node, toolSpace).first->second;
+      this->BranchesOfSpace.try_emplace(this->Key, toolSpace).first->second;
     for (const int given : { startBranch, branch })
     {
       if (given < -1 || given >= branches.size())
@@ -223,14 +232,14 @@ struct vtkPalpateTouchStateSpace::Prepared
       startBranch = branches.move(0, palpate::Vec3::Zero(), start);
     }
     this->OnBranch = branch >= 0 ? branch : branches.move(startBranch, start, t);
-    return this->Branches[{ this->Node, this->OnBranch }];
+    return this->Branches[{ this->Key, this->OnBranch }];
   }
 
   /// The part of the tool space that is on a branch.
   [[nodiscard]] TouchToolSpace SiteOnBranch(const TouchToolSpace& toolSpace, int branch) const
   {
     return palpate::restricted(
-      toolSpace, this->BranchesOfNode.at(toolSpace.setup.id).configurations(branch));
+      toolSpace, this->BranchesOfSpace.at(toolSpace.setup.key()).configurations(branch));
   }
 };
 
@@ -259,12 +268,18 @@ void vtkPalpateTouchStateSpace::FindWholeBody(
   const TouchToolSpace& toolSpace, const palpate::Interpolator& interpolator, const double t[3])
 {
   Prepared& cache = *this->Cache;
-  if (!cache.Whole)
+  const palpate::BodyId body = toolSpace.setup.body;
+  if (this->Stress && body != palpate::kFirstBody)
   {
-    cache.Whole = std::make_unique<WholeBodyOf>(cache.Space);
+    throw palpate::InputError("Stress is shown where the first body of a space is touched, and " +
+      toolSpace.setup.name() + " is on another one. Turn Stress off, or set BodyNumber to 1.");
+  }
+  if (!cache.Whole || cache.Whole->Body.number != body)
+  {
+    cache.Whole = std::make_unique<WholeBodyOf>(cache.Space, body);
   }
   WholeBodyOf& whole = *cache.Whole;
-  auto& field = cache.Branches[{ cache.Node, cache.OnBranch }].BodyField;
+  auto& field = cache.Branches[{ cache.Key, cache.OnBranch }].BodyField;
   if (!field)
   {
     const TouchToolSpace site = cache.SiteOnBranch(toolSpace, cache.OnBranch);
@@ -278,7 +293,7 @@ void vtkPalpateTouchStateSpace::FindWholeBody(
   field->evaluate(palpate::Vec3(t), whole.Fields, needed, whole.Displacement, whole.Pressure);
   if (whole.Displacement.size() == 0)
   {
-    whole.Displacement.setZero(3 * static_cast<Eigen::Index>(whole.Scene.mesh.num_points()));
+    whole.Displacement.setZero(3 * static_cast<Eigen::Index>(whole.Body.mesh().num_points()));
   }
 }
 
@@ -288,8 +303,8 @@ void vtkPalpateTouchStateSpace::AddWholeBody(const double t[3], const palpate::T
   Prepared& cache = *this->Cache;
   WholeBodyOf& whole = *cache.Whole;
   const palpate::NodalVector u = whole.DisplacementOfMesh();
-  const palpate::TetMesh& mesh = whole.Scene.mesh;
-  if (whole.Contact && cache.Node == whole.ContactSpace)
+  const palpate::TetMesh& mesh = whole.Body.mesh();
+  if (whole.Contact && cache.Key == whole.ContactSpace)
   {
     const palpate::RigidContact::Patch patch = whole.Contact->patch(palpate::Vec3(t), u);
     vtkNew<vtkDoubleArray> pressure;
@@ -327,7 +342,7 @@ void vtkPalpateTouchStateSpace::AddWholeBody(const double t[3], const palpate::T
   {
     if (!whole.Assembly)
     {
-      whole.Assembly.emplace(whole.Scene);
+      whole.Assembly.emplace(*whole.Body.scene);
     }
     const palpate::BodyStress stress =
       palpate::find_stress(*whole.Assembly, mesh, u, whole.WholePressure());
@@ -389,7 +404,7 @@ int vtkPalpateTouchStateSpace::RequestData(
 bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* wholeBody)
 {
   const TouchSpace& space = this->Cache->Space;
-  const TouchToolSpace& toolSpace = SiteOf(space, this->ActiveNode);
+  const TouchToolSpace& toolSpace = SiteOf(space, this->ActiveNode, this->BodyNumber);
   const bool presses = toolSpace.setup.presses();
   const bool hasRigidTool = space.find_pressing() != nullptr;
   const palpate::Vec3 t(presses ? this->ToolPosition : this->Displacement);
@@ -514,6 +529,7 @@ void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "ActiveNode: " << this->ActiveNode << '\n'
+     << indent << "BodyNumber: " << this->BodyNumber << '\n'
      << indent << "Displacement: " << this->Displacement[0] << ' ' << this->Displacement[1] << ' '
      << this->Displacement[2] << '\n'
      << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '

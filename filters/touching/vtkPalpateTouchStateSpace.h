@@ -74,6 +74,12 @@ public:
   /// node.
   vtkSetMacro(ActiveNode, vtkIdType);
   vtkGetMacro(ActiveNode, vtkIdType);
+
+  ///@{
+  /// The body on which the active node is, of a space of several bodies; 1 is the first one.
+  vtkSetMacro(BodyNumber, vtkIdType);
+  vtkGetMacro(BodyNumber, vtkIdType);
+  ///@}
   ///@}
   ///@{
   /// How far it is displaced from rest, m.
@@ -147,6 +153,7 @@ private:
     vtkUnstructuredGrid* body);
 
   vtkIdType ActiveNode = -1;
+  vtkIdType BodyNumber = 1;
   double Displacement[3] = { 0, 0, 0 };
   double ToolPosition[3] = { 0, 0, 0 };
   double StartDisplacement[3] = { 0, 0, 0 };

@@ -99,7 +99,7 @@ TouchedModel read_touched_model(const StateSpaceFile& file, std::optional<std::i
   }
   const auto num_models = static_cast<std::int64_t>(keys.size());
   Scene scene = file.read_scene();
-  const Index num_points = scene.mesh.num_points();
+  const Index num_points = scene.body.mesh.num_points();
   if (number.value_or(num_models) < 1 || number.value_or(1) > num_models ||
       (!number && num_models > 1)) {
     throw InputError(path + " holds the reduced model(s) " + list_models(file, num_points, keys) +
@@ -118,8 +118,9 @@ TouchedModel read_touched_model(const StateSpaceFile& file, std::optional<std::i
                      std::to_string(touched.nodes.size()) +
                      " active node(s). Build it again, into another file.");
   }
-  if (touched.model->points.rest_gradients.size() > 0) let_sag(arrays, name, scene.mesh.points);
-  const Surface surface = make_surface(scene.mesh);
+  if (touched.model->points.rest_gradients.size() > 0)
+    let_sag(arrays, name, scene.body.mesh.points);
+  const Surface surface = make_surface(scene.body.mesh);
   const std::vector<Vec3> normals = point_normals(surface);
   for (const Index node : touched.nodes) {
     const Index at = surface.find(node);

@@ -39,7 +39,8 @@ StartPlace chosen_place(const TouchSpace& space, const Touchable& body, const Co
   const std::int32_t place = body.find(*line.node);
   if (place >= 0 && body.force_on_tool() == nullptr) {
     const Vec3& at = body.nodes()[static_cast<std::size_t>(place)].rest_position;
-    return {at, body.surface().nearest(at).normal, space.find(*line.node)->setup.depth()};
+    return {at, body.surface().nearest(at).normal,
+            space.find({*line.node, kFirstBody})->setup.depth()};
   }
   if (body.force_on_tool() != nullptr) {
     throw InputError(line.space + " has a rigid tool, which presses anywhere. Leave out --node.");
@@ -70,10 +71,9 @@ Touched read_touched(const CommandLine& line, std::optional<StateSpaceFile> file
   Touched touched;
   touched.body = std::make_shared<const Touchable>(space, line.touchable);
   touched.at = chosen_place(space, *touched.body, line);
-  const TouchToolSpace* tool =
-      touched.body->force_on_tool() != nullptr
-          ? space.find_pressing()
-          : space.find(line.node.value_or(space.tool_spaces.front().setup.id));
+  const TouchToolSpace* tool = touched.body->force_on_tool() != nullptr ? space.find_pressing()
+                               : line.node ? space.find({*line.node, kFirstBody})
+                                           : &space.tool_spaces.front();
   touched.tool = tool->setup.name();
   return touched;
 }

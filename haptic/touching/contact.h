@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "interpolation/interpolator.h"
+#include "state_space/tool_space_key.h"
 
 namespace palpate {
 
@@ -36,6 +37,8 @@ struct Contact {
   double distance = 0;
   /// The active nodes that are moved, −1: none, and their weights, which add up to 1.
   std::array<std::int32_t, 3> nodes{-1, -1, -1};
+  /// The bodies of the state space on which these nodes are.
+  std::array<BodyId, 3> bodies{kFirstBody, kFirstBody, kFirstBody};
   std::array<double, 3> weights{};
   /// The branch that the body is on at each of them.
   std::array<std::int32_t, 3> branches{};

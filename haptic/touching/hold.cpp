@@ -32,7 +32,7 @@ void Hold::take_over(const Touchable* body, bool is_same_scene) noexcept {
   if (!is_same_scene) let_go();
   for (int i = 0; holds() && i < num_held_; ++i) {
     Held& held = held_[i];
-    held.node = body->find(held.mesh_point);
+    held.node = body->find(held.mesh_point, held.body);
     if (held.node < 0) {
       let_go();
     } else {
@@ -40,6 +40,11 @@ void Hold::take_over(const Touchable* body, bool is_same_scene) noexcept {
       held.branch = body->nodes()[held.node].branches.move(0, Vec3::Zero(), displacement_);
     }
   }
+}
+
+Hold::Held Hold::held_node(std::int32_t number, double weight) const noexcept {
+  const Touchable::Node& node = body_->nodes()[number];
+  return {node.mesh_point, node.body, number, weight, 0};
 }
 
 bool Hold::take(const SurfaceTree::Nearest& at, double reach, bool blended) noexcept {
@@ -53,13 +58,13 @@ bool Hold::take(const SurfaceTree::Nearest& at, double reach, bool blended) noex
         num_held_ = 0;
         break;
       }
-      held_[num_held_++] = {body_->nodes()[node].mesh_point, node, at.weights[k], 0};
+      held_[num_held_++] = held_node(node, at.weights[k]);
     }
   }
   if (num_held_ == 0) {
     const std::int32_t node = body_->nearest(at.point, reach);
     if (node < 0) return false;
-    held_[num_held_++] = {body_->nodes()[node].mesh_point, node, 1, 0};
+    held_[num_held_++] = held_node(node, 1);
   }
   anchor_ = at.point;
   normal_ = at.normal;
@@ -132,6 +137,7 @@ Contact Hold::move(const Vec3& place, double coupling) noexcept {
   contact.status = ContactStatus::attached;
   for (int i = 0; i < num_held_; ++i) {
     contact.nodes[i] = held_[i].mesh_point;
+    contact.bodies[i] = held_[i].body;
     contact.weights[i] = held_[i].weight;
     contact.branches[i] = held_[i].branch;
   }

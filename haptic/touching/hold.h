@@ -54,12 +54,15 @@ class Hold {
  private:
   struct Held {
     Index mesh_point = -1;
+    BodyId body = kFirstBody;
     std::int32_t node = -1;
     double weight = 0;
     /// The branch that the body is on.
     int branch = 0;
   };
 
+  /// An active node, on its first branch.
+  [[nodiscard]] Held held_node(std::int32_t number, double weight) const noexcept;
   /// Energy, force that holds, and stiffness at a displacement, with each node on its branch.
   [[nodiscard]] TouchResult evaluate(const Vec3& t) const noexcept;
   /// Finds the branch that each node is on when the nodes move from displacement_ to t.

@@ -3,10 +3,18 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <utility>
 
 #include "base/error.h"
 
 namespace palpate {
+namespace {
+
+bool is_before(const Touchable::Node& node, const std::pair<BodyId, Index>& other) {
+  return std::pair(node.body, node.mesh_point) < other;
+}
+
+}  // namespace
 
 Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
     : options_(options),
@@ -31,7 +39,7 @@ Touchable::Touchable(const Touchable& before, const TouchSpace& space, const Spa
     take_stiffness(part.configurations);
     std::vector<CheckPoint> changed;
     for (const ConfigurationSummary& c : part.configurations) changed.push_back(c.check_point);
-    take(*space.find(part.setup.id), space, changed);
+    take(*space.find(part.setup.key()), space, changed);
   }
 }
 
@@ -54,12 +62,15 @@ void Touchable::take(const TouchToolSpace& tool_space, const TouchSpace& space,
     return;
   }
   const Index mesh_point = tool_space.setup.interaction.active_node;
-  const Index surface_point = space.surface.find(mesh_point);
+  const BodyId body = tool_space.setup.body;
+  const Index surface_point = body == kFirstBody
+                                  ? space.surface.find(mesh_point)
+                                  : nearest_shown(tool_space.setup.interaction.material_point);
   if (surface_point < 0) {
     throw InputError("Active node " + std::to_string(mesh_point) +
                      " is not on the surface of the body: a tool cannot reach it.");
   }
-  const std::int32_t known = node_of_[surface_point];
+  const std::int32_t known = find(mesh_point, body);
   SolutionBranches branches(tool_space);
   std::vector<std::shared_ptr<const Interpolator>> on_branch;
   for (int branch = 0; branch < branches.size(); ++branch) {
@@ -75,6 +86,7 @@ void Touchable::take(const TouchToolSpace& tool_space, const TouchSpace& space,
                                           changed));
   }
   Node node{mesh_point,
+            body,
             surface_point,
             tool_space.setup.interaction.material_point,
             tool_space.setup.interaction.tip_radius,
@@ -86,19 +98,25 @@ void Touchable::take(const TouchToolSpace& tool_space, const TouchSpace& space,
     return;
   }
   const auto place =
-      std::lower_bound(nodes_.begin(), nodes_.end(), mesh_point,
-                       [](const Node& one, Index point) { return one.mesh_point < point; });
+      std::lower_bound(nodes_.begin(), nodes_.end(), std::pair(body, mesh_point), is_before);
   nodes_.insert(place, std::move(node));
-  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+  // Where nodes of several bodies are at one point, the first body has it.
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
     node_of_[nodes_[n].surface_point] = static_cast<std::int32_t>(n);
   }
 }
 
-std::int32_t Touchable::find(Index mesh_point) const noexcept {
+Index Touchable::nearest_shown(const Vec3& place) const {
+  const SurfaceTree::Nearest nearest = surface_->nearest(place);
+  Eigen::Index corner = 0;
+  nearest.weights.maxCoeff(&corner);
+  return surface_->points_of(nearest.triangle)[static_cast<std::size_t>(corner)];
+}
+
+std::int32_t Touchable::find(Index mesh_point, BodyId body) const noexcept {
   const auto found =
-      std::lower_bound(nodes_.begin(), nodes_.end(), mesh_point,
-                       [](const Node& node, Index point) { return node.mesh_point < point; });
-  return found != nodes_.end() && found->mesh_point == mesh_point
+      std::lower_bound(nodes_.begin(), nodes_.end(), std::pair(body, mesh_point), is_before);
+  return found != nodes_.end() && found->mesh_point == mesh_point && found->body == body
              ? static_cast<std::int32_t>(found - nodes_.begin())
              : -1;
 }

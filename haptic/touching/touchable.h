@@ -33,8 +33,11 @@ class Touchable {
   Touchable(const Touchable& before, const TouchSpace& space, const SpaceChunk& chunk);
 
   struct Node {
-    /// The node's number as a point of the mesh and as a point of the surface.
+    /// The node's number as a point of the mesh of its body.
     Index mesh_point = 0;
+    BodyId body = kFirstBody;
+    /// The point of the shown surface that is there; of another body than the first, the nearest
+    /// one.
     Index surface_point = 0;
     Vec3 rest_position = Vec3::Zero();
     double tip_radius = 0;
@@ -48,9 +51,9 @@ class Touchable {
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
   /// The index in nodes() of a point of the surface; −1: the point is not active.
   [[nodiscard]] std::int32_t node_of_surface_point(Index point) const { return node_of_[point]; }
-  /// The index in nodes() of a point of the mesh; −1: the point is not active.
+  /// The index in nodes() of a point of the mesh of a body; −1: the point is not active.
   /// @note Realtime-safe.
-  [[nodiscard]] std::int32_t find(Index mesh_point) const noexcept;
+  [[nodiscard]] std::int32_t find(Index mesh_point, BodyId body = kFirstBody) const noexcept;
   /// The index in nodes() of the active node that is nearest to a point at rest; −1: there is none
   /// within `reach`, m.
   /// @note Realtime-safe.
@@ -73,13 +76,15 @@ class Touchable {
   /// @param changed Where it has grown.
   void take(const TouchToolSpace& tool_space, const TouchSpace& space,
             const std::vector<CheckPoint>& changed);
+  /// The point of the shown surface that is nearest to a place.
+  [[nodiscard]] Index nearest_shown(const Vec3& place) const;
   void take_stiffness(const std::vector<ConfigurationSummary>& configurations);
 
   TouchableOptions options_;
   std::string scene_hash_;
   /// Bodies that follow each other share it.
   std::shared_ptr<const SurfaceTree> surface_;
-  /// The nodes in the order of their mesh points.
+  /// The nodes in the order of their bodies and mesh points.
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_;
   std::shared_ptr<const Interpolator> force_on_tool_;

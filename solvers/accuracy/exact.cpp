@@ -97,7 +97,7 @@ class Solver final : public Worker {
 
   /// @param points The points of all tool spaces.
   /// @param num_known The number of all points that are known.
-  Solver(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
+  Solver(const SpaceBody& body, const std::vector<ToolSpaceSetup>& setups,
          const std::vector<std::vector<TestPoint>>& points, std::int64_t num_known,
          StateSolver& states, Monitor& monitor, Keep keep)
       : setups_(setups),
@@ -106,11 +106,12 @@ class Solver final : public Worker {
         states_(states),
         monitor_(monitor),
         keep_(std::move(keep)) {
-    const Surface surface = make_surface(scene.mesh);
+    const TetMesh& mesh = body.mesh();
+    const Surface surface = make_surface(mesh);
     for (const Index p : sample_points(surface)) {
       samples_.push_back(surface.mesh_points[p]);
-      at_rest_.push_back(place_at_rest(scene, samples_.back()) -
-                         scene.mesh.points[samples_.back()]);
+      at_rest_.push_back(place_at_rest(mesh, body.at_rest, samples_.back()) -
+                         mesh.points[samples_.back()]);
     }
     for (const auto& of_tool_space : points)
       num_all_ += static_cast<std::int64_t>(of_tool_space.size());
@@ -278,7 +279,7 @@ class Solver final : public Worker {
 };
 
 /// The points of each tool space, not solved.
-std::vector<std::vector<TestPoint>> draw(const Scene& scene,
+std::vector<std::vector<TestPoint>> draw(const SpaceBody& body,
                                          const std::vector<ToolSpaceSetup>& setups,
                                          const ExactOptions& options, InteractionFactory& tools) {
   std::vector<std::vector<TestPoint>> points;
@@ -286,7 +287,8 @@ std::vector<std::vector<TestPoint>> draw(const Scene& scene,
     if (const auto clearance = tools.clearance(setup.interaction)) {
       const auto holds = options.holds ? options.holds : [](const Vec3&) { return true; };
       points.push_back(draw_contact_points(setup, options.seed, options.test_points,
-                                           SurfacePlaces(scene), *clearance, holds));
+                                           SurfacePlaces(body.scene->body, body.at_rest),
+                                           *clearance, holds));
     } else {
       points.push_back(draw_test_points(test_set_of(setup, options.seed), options.test_points));
     }
@@ -297,11 +299,11 @@ std::vector<std::vector<TestPoint>> draw(const Scene& scene,
 /// Keeps test points in the file of this rank, or in memory.
 class TestRecord {
  public:
-  TestRecord(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
+  TestRecord(const std::vector<SpaceBody>& bodies, const std::vector<ToolSpaceSetup>& setups,
              const ExactOptions& options, Communicator& communicator)
       : setups_(setups), seed_(options.seed), communicator_(communicator) {
     if (options.file.empty()) return;
-    files_.emplace(options.file, scene, options.equilibrium.tolerance, communicator);
+    files_.emplace(options.file, bodies, options.equilibrium.tolerance, communicator);
     files_->open([](StateSpaceFile&) {});
   }
 
@@ -365,7 +367,7 @@ void validate(const ExactOptions& options) {
   validate(options.equilibrium);
 }
 
-ExactResult solve_test_points(const Scene& asked, const std::vector<ToolSpaceSetup>& setups,
+ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
                               const ExactOptions& options, Communicator& communicator,
                               const Progress& progress) {
   Monitor monitor(progress, communicator.network());
@@ -379,20 +381,21 @@ ExactResult solve_test_points(const Scene& asked, const std::vector<ToolSpaceSet
     of_solver.kept_factors = std::max(of_solver.kept_factors, 3);
     of_solver.abort_requested = [&monitor] { return !monitor.go_on(); };
     of_solver.threads = threads;
-    solver = std::make_unique<EquilibriumSolver>(asked, of_solver,
-                                                 choose_tangent_solver(asked, threads));
+    solver = std::make_unique<EquilibriumSolver>(scene, of_solver,
+                                                 choose_tangent_solver(scene, threads));
   });
-  std::optional<Scene> settled;
-  const Scene& scene = settle(asked, *solver, options.file, communicator, settled);
-  InteractionFactory tools(scene);
+  const std::vector<SpaceBody> bodies{
+      make_space_body(scene, settle(scene, *solver, options.file, communicator))};
+  const SpaceBody& body = bodies.front();
+  InteractionFactory tools(scene.body, body.at_rest);
   Packer drawn;
   agree(communicator, [&] {
     for (const ToolSpaceSetup& setup : setups) (void)tools.make(setup.interaction);
-    if (communicator.rank() == 0) drawn.put(draw(scene, setups, options, tools));
+    if (communicator.rank() == 0) drawn.put(draw(body, setups, options, tools));
   });
   const std::vector<Bytes> all_drawn = communicator.all_gather(drawn.take());
   const auto points = Unpacker(all_drawn.front()).take<std::vector<std::vector<TestPoint>>>();
-  TestRecord record(scene, setups, options, communicator);
+  TestRecord record(bodies, setups, options, communicator);
 
   ExactResult result;
   Packer to_solve;
@@ -407,9 +410,9 @@ ExactResult solve_test_points(const Scene& asked, const std::vector<ToolSpaceSet
     }
   }
   const std::vector<Bytes> tasks = communicator.all_gather(to_solve.take());
-  InteractionSolver states(scene, *solver, tools);
+  InteractionSolver states(body, *solver, tools);
   Solver worker(
-      scene, setups, points, result.num_reused, states, monitor,
+      body, setups, points, result.num_reused, states, monitor,
       [&](std::int32_t tool_space, const TestPoint& point) { record.keep(tool_space, point); });
   int next = 0;
   for (Unpacker content(tasks.front()); !content.at_end(); ++next) {

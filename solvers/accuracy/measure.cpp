@@ -106,7 +106,7 @@ class Shown {
   Shown(const TouchSpace& space, const TouchToolSpace& tool_space, FieldCache* fields,
         const std::vector<TestPoint>& points)
       : space_(space),
-        of_space_(space.find(tool_space.setup.id)),
+        of_space_(space.find(tool_space.setup.key())),
         presses_(tool_space.setup.presses()),
         fields_(fields),
         samples_(sample_points(space.surface)),

@@ -7,13 +7,13 @@
 
 namespace palpate {
 
-SurfacePlaces::SurfacePlaces(const Scene& scene)
-    : tree_(points_at_rest(scene), boundary_triangles(scene.mesh)) {
-  const std::vector<Vec3> points = points_at_rest(scene);
+SurfacePlaces::SurfacePlaces(const Body& body, const SettledBody& at_rest)
+    : tree_(points_at_rest(body.mesh, at_rest), boundary_triangles(body.mesh)) {
+  const std::vector<Vec3> points = points_at_rest(body.mesh, at_rest);
   double area = 0;
-  for (const auto& [a, b, c] : boundary_triangles(scene.mesh)) {
+  for (const auto& [a, b, c] : boundary_triangles(body.mesh)) {
     const bool is_touchable =
-        scene.touchable[a] != 0 && scene.touchable[b] != 0 && scene.touchable[c] != 0;
+        body.touchable[a] != 0 && body.touchable[b] != 0 && body.touchable[c] != 0;
     if (!is_touchable) continue;
     touchable_.push_back({points[a], points[b], points[c]});
     area += (points[b] - points[a]).cross(points[c] - points[a]).norm();

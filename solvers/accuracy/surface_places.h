@@ -7,16 +7,16 @@
 #include <vector>
 
 #include "accuracy/test_random.h"
-#include "assembly/scene.h"
+#include "assembly/body.h"
 #include "mesh/surface_tree.h"
 
 namespace palpate {
 
-/// It copies all that it needs, so that the scene need not outlive it.
+/// It copies all that it needs, so that the body need not outlive it.
 class SurfacePlaces {
  public:
   /// @throws InputError no face of the surface is touchable.
-  explicit SurfacePlaces(const Scene& scene);
+  SurfacePlaces(const Body& body, const SettledBody& at_rest);
 
   struct Place {
     /// A point of the surface, m.

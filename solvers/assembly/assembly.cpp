@@ -116,12 +116,8 @@ struct ElementGroup {
   }
 };
 
-const Material& material_of(const Scene& scene, Index cell) {
-  return scene.materials[scene.material_of_cell.empty() ? 0 : scene.material_of_cell[cell]];
-}
-
 bool is_mixed(const Scene& scene, Index cell) {
-  return is_mixed(material_of(scene, cell).formulation);
+  return is_mixed(scene.material_of(cell).formulation);
 }
 
 const std::vector<QuadraturePoint>& rule_of(const Material& material, ElementOrder order) {
@@ -210,14 +206,14 @@ struct Assembly::Data {
 };
 
 void Assembly::Data::number_nodes(const Scene& scene) {
-  const std::vector<char> used = points_in_use(scene.mesh);
-  unknown_of_point.assign(scene.mesh.points.size(), -1);
+  const std::vector<char> used = points_in_use(scene.body.mesh);
+  unknown_of_point.assign(scene.body.mesh.points.size(), -1);
   std::vector<Index> free;
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    if (used[p] != 0 && scene.fixed[p] == 0) free.push_back(p);
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    if (used[p] != 0 && scene.body.fixed[p] == 0) free.push_back(p);
   }
   num_nodes = static_cast<Index>(free.size());
-  if (is_large()) free = order_nodes(scene.mesh, free);
+  if (is_large()) free = order_nodes(scene.body.mesh, free);
   for (Index node = 0; node < num_nodes; ++node) {
     unknown_of_point[free[node]] = 3 * node;
     for (Index i = 0; i < 3; ++i) state_of_unknown.push_back(3 * free[node] + i);
@@ -251,16 +247,16 @@ double Assembly::Data::pressure_scale_of(const Material& material) const {
 }
 
 void Assembly::Data::number_pressures(const Scene& scene) {
-  softest = softest_mixed(scene.materials);
+  softest = softest_mixed(scene.organ.materials);
   if (std::isinf(softest)) return;
-  const TetMesh& mesh = scene.mesh;
+  const TetMesh& mesh = scene.body.mesh;
   pressure_of_corner.assign(4 * static_cast<std::size_t>(mesh.num_cells()), -1);
   std::map<std::tuple<Index, Law, int>, Index> numbers;
   std::vector<char> felt;
   std::vector<char> incompressible;
   for (Index c = 0; c < mesh.num_cells(); ++c) {
     if (!is_mixed(scene, c)) continue;
-    const Material& material = material_of(scene, c);
+    const Material& material = scene.material_of(c);
     const Index* cell = mesh.cell(c);
     const bool has_free_point =
         std::any_of(cell, cell + nodes_per_cell(mesh.order),
@@ -356,8 +352,8 @@ Index Assembly::Data::pressure_target_of(Index a, Index b, const Couplings& coup
 
 void Assembly::Data::make_group(const Scene& scene, const std::vector<Index>& cells,
                                 const Couplings& couplings) {
-  const TetMesh& mesh = scene.mesh;
-  const Material& first = material_of(scene, cells.front());
+  const TetMesh& mesh = scene.body.mesh;
+  const Material& first = scene.material_of(cells.front());
   const bool mixed = is_mixed(first.formulation);
   const int npc = nodes_per_cell(mesh.order);
   const int num_pairs = npc * (npc + 1) / 2;
@@ -390,7 +386,7 @@ void Assembly::Data::make_group(const Scene& scene, const std::vector<Index>& ce
   }
 
   group.homogeneous = std::all_of(cells.begin(), cells.end(),
-                                  [&](Index c) { return material_of(scene, c) == first; });
+                                  [&](Index c) { return scene.material_of(c) == first; });
   group.parameters = kernel_parameters(first, mesh.order);
   const std::size_t num_parameters = group.parameters.size();
   if (!group.homogeneous) group.parameters.resize(num_places * num_parameters);
@@ -419,7 +415,7 @@ void Assembly::Data::make_group(const Scene& scene, const std::vector<Index>& ce
       group.weights[at * kPacketSize + lane] = filling ? 0 : rule[q].weight * det;
     }
     if (!group.homogeneous) {
-      const auto parameters = kernel_parameters(material_of(scene, c), mesh.order);
+      const auto parameters = kernel_parameters(scene.material_of(c), mesh.order);
       for (std::size_t i = 0; i < num_parameters; ++i) {
         group.parameters[(packet * num_parameters + i) * kPacketSize + lane] = parameters[i];
       }
@@ -479,7 +475,7 @@ Assembly::Result Assembly::Data::sum_over_sets(Kernel&& kernel) const {
 }
 
 Assembly::Assembly(const Scene& scene) : data_(std::make_unique<Data>()) {
-  const TetMesh& mesh = scene.mesh;
+  const TetMesh& mesh = scene.body.mesh;
   data_->num_points = mesh.num_points();
   data_->num_cells = mesh.num_cells();
   data_->stabilised = mesh.order == ElementOrder::linear;
@@ -487,7 +483,7 @@ Assembly::Assembly(const Scene& scene) : data_(std::make_unique<Data>()) {
   std::map<std::pair<Law, Formulation>, std::vector<Index>> cells_of_group;
   double edges = 0;
   for (Index c = 0; c < mesh.num_cells(); ++c) {
-    const Material& material = material_of(scene, c);
+    const Material& material = scene.material_of(c);
     cells_of_group[{law_of_energy(material.law), material.formulation}].push_back(c);
     for (int a = 0; a < 4; ++a) {
       for (int b = a + 1; b < 4; ++b) {
@@ -658,9 +654,9 @@ void Assembly::scale_energy(const Scene& scene, const std::vector<double>& facto
     const std::size_t num_places = group.homogeneous ? 1 : group.cells.size();
     for (std::size_t place = 0; place < num_places; ++place) {
       const Index cell = group.cells[place];
-      const Index number = scene.material_of_cell.empty() ? 0 : scene.material_of_cell[cell];
-      const std::vector<double> parameters =
-          data_->scaled_parameters(scene.materials[number], scene.mesh.order, factors[number]);
+      const Index number = scene.body.material_of(cell);
+      const std::vector<double> parameters = data_->scaled_parameters(
+          scene.organ.materials[number], scene.body.mesh.order, factors[number]);
       for (std::size_t i = 0; i < count; ++i) {
         const std::size_t packet = place / kPacketSize;
         group.parameters[group.homogeneous ? i

@@ -18,17 +18,17 @@ Mat3 cross_matrix(const Vec3& a) {
 
 }  // namespace
 
-std::optional<PointMatrix> springs_of(const Scene& scene, const Assembly& assembly) {
-  const std::vector<Index> faces = faces_with(scene.mesh, scene.support_stiffness);
+std::optional<PointMatrix> springs_of(const Body& body, const Assembly& assembly) {
+  const std::vector<Index> faces = faces_with(body.mesh, body.support_stiffness);
   if (faces.empty()) return std::nullopt;
-  const std::vector<FacePoint> rule = face_quadrature(scene.mesh.order);
-  const int num_nodes = nodes_per_face(scene.mesh.order);
+  const std::vector<FacePoint> rule = face_quadrature(body.mesh.order);
+  const int num_nodes = nodes_per_face(body.mesh.order);
   std::vector<Eigen::Triplet<double>> triplets;
   for (std::size_t f = 0; f < faces.size(); f += num_nodes) {
     const Index* nodes = &faces[f];
-    const Eigen::Matrix3Xd x = places_of_face(scene.mesh, nodes);
+    const Eigen::Matrix3Xd x = places_of_face(body.mesh, nodes);
     Vec3 of_corners;
-    for (int a = 0; a < 3; ++a) of_corners[a] = scene.support_stiffness[nodes[a]];
+    for (int a = 0; a < 3; ++a) of_corners[a] = body.support_stiffness[nodes[a]];
     Eigen::MatrixXd of_face = Eigen::MatrixXd::Zero(num_nodes, num_nodes);
     for (const FacePoint& point : rule) {
       const double stiffness = area_at(point, x) * of_corners.dot(point.of_corners);
@@ -45,21 +45,21 @@ std::optional<PointMatrix> springs_of(const Scene& scene, const Assembly& assemb
 
 ExternalEnergy::ExternalEnergy(const Scene& scene, const Assembly& assembly)
     : dead_(NodalVector::Zero(assembly.state_size())),
-      springs_(springs_of(scene, assembly)),
-      rule_(face_quadrature(scene.mesh.order)),
-      nodes_per_face_(nodes_per_face(scene.mesh.order)) {
-  if (scene.has_body_force()) dead_ = weight_of(scene, assembly);
-  add_traction(scene);
-  add_pressure(scene, assembly);
+      springs_(springs_of(scene.body, assembly)),
+      rule_(face_quadrature(scene.body.mesh.order)),
+      nodes_per_face_(nodes_per_face(scene.body.mesh.order)) {
+  if (scene.organ.has_body_force()) dead_ = weight_of(scene, assembly);
+  add_traction(scene.body);
+  add_pressure(scene.body, assembly);
 }
 
-void ExternalEnergy::add_traction(const Scene& scene) {
-  const std::vector<Index> faces = faces_with(scene.mesh, scene.applied_traction);
+void ExternalEnergy::add_traction(const Body& body) {
+  const std::vector<Index> faces = faces_with(body.mesh, body.applied_traction);
   for (std::size_t f = 0; f < faces.size(); f += nodes_per_face_) {
     const Index* nodes = &faces[f];
-    const Eigen::Matrix3Xd x = places_of_face(scene.mesh, nodes);
+    const Eigen::Matrix3Xd x = places_of_face(body.mesh, nodes);
     Mat3 of_corners;
-    for (int a = 0; a < 3; ++a) of_corners.col(a) = scene.applied_traction[nodes[a]];
+    for (int a = 0; a < 3; ++a) of_corners.col(a) = body.applied_traction[nodes[a]];
     for (const FacePoint& point : rule_) {
       const Vec3 load = area_at(point, x) * of_corners * point.of_corners;
       for (int a = 0; a < nodes_per_face_; ++a) {
@@ -69,13 +69,13 @@ void ExternalEnergy::add_traction(const Scene& scene) {
   }
 }
 
-void ExternalEnergy::add_pressure(const Scene& scene, const Assembly& assembly) {
-  const std::vector<Index> faces = faces_under_pressure(scene.mesh, scene.applied_pressure);
+void ExternalEnergy::add_pressure(const Body& body, const Assembly& assembly) {
+  const std::vector<Index> faces = faces_under_pressure(body.mesh, body.applied_pressure);
   if (faces.empty()) return;
-  points_ = scene.mesh.points;
+  points_ = body.mesh.points;
   const std::vector<Index>& unknown = assembly.unknown_of_point();
   for (std::size_t f = 0; f < faces.size(); f += nodes_per_face_) {
-    PressedFace face{{}, scene.applied_pressure[faces[f]]};
+    PressedFace face{{}, body.applied_pressure[faces[f]]};
     std::copy_n(&faces[f], nodes_per_face_, face.nodes.begin());
     first_target_.push_back(targets_.size());
     for (int a = 0; a < nodes_per_face_; ++a) {

@@ -28,8 +28,8 @@
 namespace palpate {
 
 /// K_s of the springs that support the surface; nothing if there are none.
-/// @param scene A scene that check() accepts.
-[[nodiscard]] std::optional<PointMatrix> springs_of(const Scene& scene, const Assembly& assembly);
+/// @param body One that check() accepts.
+[[nodiscard]] std::optional<PointMatrix> springs_of(const Body& body, const Assembly& assembly);
 
 class ExternalEnergy final : public EnergyTerm {
  public:
@@ -61,8 +61,8 @@ class ExternalEnergy final : public EnergyTerm {
     std::array<Index, 3> positions;
   };
 
-  void add_traction(const Scene& scene);
-  void add_pressure(const Scene& scene, const Assembly& assembly);
+  void add_traction(const Body& body);
+  void add_pressure(const Body& body, const Assembly& assembly);
   /// The energy of pressures and springs, J.
   [[nodiscard]] double of_surface(const NodalVector& state) const;
   /// The energy of the pressures, which is minus their work on the way from rest, J.

@@ -16,8 +16,8 @@ namespace {
 constexpr double kTolerance = 1e-14;
 
 /// The consistent mass of each pair of points, kg.
-std::vector<Eigen::Triplet<double>> masses(const Scene& scene, const std::vector<double>& density) {
-  const TetMesh& mesh = scene.mesh;
+std::vector<Eigen::Triplet<double>> masses(const Body& body, const std::vector<double>& density) {
+  const TetMesh& mesh = body.mesh;
   const int npc = nodes_per_cell(mesh.order);
   const std::vector<QuadraturePoint>& rule = fine_quadrature();
   std::vector<Eigen::Matrix<double, Eigen::Dynamic, 3>> gradients;
@@ -29,7 +29,7 @@ std::vector<Eigen::Triplet<double>> masses(const Scene& scene, const std::vector
   std::vector<Eigen::Triplet<double>> triplets;
   triplets.reserve(static_cast<std::size_t>(mesh.num_cells()) * npc * npc);
   for (Index c = 0; c < mesh.num_cells(); ++c) {
-    const double rho = density[scene.material_of_cell.empty() ? 0 : scene.material_of_cell[c]];
+    const double rho = density[body.material_of(c)];
     if (rho == 0) continue;
     const Index* cell = mesh.cell(c);
     Eigen::Matrix<double, 3, Eigen::Dynamic> x(3, npc);
@@ -62,9 +62,9 @@ Eigen::MatrixXd solve(const Eigen::SparseMatrix<double, Eigen::RowMajor>& mass,
 
 }  // namespace
 
-MassMatrix::MassMatrix(const Scene& scene, const std::vector<double>& density,
+MassMatrix::MassMatrix(const Body& body, const std::vector<double>& density,
                        const Assembly& assembly)
-    : matrix_(masses(scene, density), assembly),
+    : matrix_(masses(body, density), assembly),
       lumped_(matrix_.of_points() * Eigen::VectorXd::Ones(assembly.num_points())),
       state_size_(assembly.state_size()) {}
 
@@ -129,7 +129,7 @@ NodalVector MassMatrix::weight(const Vec3& gravity) const {
 }
 
 NodalVector weight_of(const Scene& scene, const Assembly& assembly) {
-  return MassMatrix(scene, scene.densities, assembly).weight(scene.body_force);
+  return MassMatrix(scene.body, scene.organ.densities, assembly).weight(scene.organ.body_force);
 }
 
 }  // namespace palpate

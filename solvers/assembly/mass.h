@@ -18,7 +18,7 @@ namespace palpate {
 class MassMatrix {
  public:
   /// @param density Density of each material of the scene, kg/m³.
-  MassMatrix(const Scene& scene, const std::vector<double>& density, const Assembly& assembly);
+  MassMatrix(const Body& body, const std::vector<double>& density, const Assembly& assembly);
 
   /// M x for a change of the state; zero for pressures.
   /// @param x [at least 3 num_points]

@@ -36,8 +36,8 @@ std::string text_of(const Vec3& v) {
   return quantity(Vec3(v.unaryExpr(rounded)));
 }
 
-std::string at_point(const Scene& scene, Index point) {
-  return "point " + std::to_string(point) + " at " + text_of(scene.mesh.points[point]) + " m";
+std::string at_point(const Body& body, Index point) {
+  return "point " + std::to_string(point) + " at " + text_of(body.mesh.points[point]) + " m";
 }
 
 bool is_zero(double number) { return number == 0; }
@@ -53,16 +53,16 @@ bool is_finite(const Eigen::MatrixBase<Derived>& values) {
 
 /// @throws InputError the array has another size, or an entry that is not finite.
 template <class T>
-void check_array(const Scene& scene, const char* name, std::vector<T>& array) {
+void check_array(const Body& body, const char* name, std::vector<T>& array) {
   if (array.empty()) return;
-  if (array.size() != scene.mesh.points.size()) {
+  if (array.size() != body.mesh.points.size()) {
     throw InputError(std::string("The array ") + name + " needs one value for each of the " +
-                     std::to_string(scene.mesh.points.size()) + " points.");
+                     std::to_string(body.mesh.points.size()) + " points.");
   }
   for (std::size_t p = 0; p < array.size(); ++p) {
     if (is_finite(array[p])) continue;
     throw InputError(std::string("The array ") + name + " is no number at " +
-                     at_point(scene, static_cast<Index>(p)) + ". Give every point one.");
+                     at_point(body, static_cast<Index>(p)) + ". Give every point one.");
   }
   const bool has_none =
       std::all_of(array.begin(), array.end(), [](const T& value) { return is_zero(value); });
@@ -92,14 +92,14 @@ void make_orthonormal(HeldDirections& held) {
 }
 
 /// 1 for each point on springs [num_points].
-std::vector<char> points_on_springs(const Scene& scene) {
-  std::vector<char> on_springs(scene.mesh.points.size(), 0);
-  for (const Index p : faces_with(scene.mesh, scene.support_stiffness)) on_springs[p] = 1;
+std::vector<char> points_on_springs(const Body& body) {
+  std::vector<char> on_springs(body.mesh.points.size(), 0);
+  for (const Index p : faces_with(body.mesh, body.support_stiffness)) on_springs[p] = 1;
   return on_springs;
 }
 
-bool has_directions(const Scene& scene, Index point) {
-  return !scene.held_directions.empty() && !scene.held_directions[point].isZero(0);
+bool has_directions(const Body& body, Index point) {
+  return !body.held_directions.empty() && !body.held_directions[point].isZero(0);
 }
 
 /// The resistance of supports against the rigid motions of a piece: translations, and rotations
@@ -137,8 +137,8 @@ std::string describe_free(const Resistance& of,
 }
 
 /// @throws InputError a piece with directions or springs can move rigidly.
-void check_held(const Scene& scene) {
-  const TetMesh& mesh = scene.mesh;
+void check_held(const Body& body) {
+  const TetMesh& mesh = body.mesh;
   const Pieces pieces = find_pieces(mesh);
   const std::vector<Index> piece_of = piece_of_points(mesh, pieces);
   std::vector<Resistance> resistances(pieces.each.size());
@@ -154,16 +154,16 @@ void check_held(const Scene& scene) {
     Resistance& piece = resistances[piece_of[p]];
     piece.radius = std::max(piece.radius, (mesh.points[p] - piece.middle).norm());
   }
-  const std::vector<char> on_springs = points_on_springs(scene);
+  const std::vector<char> on_springs = points_on_springs(body);
   for (Index p = 0; p < mesh.num_points(); ++p) {
     if (piece_of[p] < 0) continue;
     Resistance& piece = resistances[piece_of[p]];
-    if (scene.fixed[p] != 0 || on_springs[p] != 0) {
+    if (body.fixed[p] != 0 || on_springs[p] != 0) {
       for (int axis = 0; axis < 3; ++axis) piece.hold(mesh.points[p], Vec3::Unit(axis));
-    } else if (has_directions(scene, p)) {
-      for (int i = 0; i < 2; ++i) piece.hold(mesh.points[p], scene.held_directions[p].col(i));
+    } else if (has_directions(body, p)) {
+      for (int i = 0; i < 2; ++i) piece.hold(mesh.points[p], body.held_directions[p].col(i));
     }
-    piece.has_supports = piece.has_supports || on_springs[p] != 0 || has_directions(scene, p);
+    piece.has_supports = piece.has_supports || on_springs[p] != 0 || has_directions(body, p);
   }
   for (std::size_t i = 0; i < resistances.size(); ++i) {
     const Resistance& piece = resistances[i];
@@ -201,17 +201,17 @@ std::vector<std::vector<Index>> rim_of(const std::vector<Index>& faces, ElementO
 }
 
 /// Whether an edge cannot move, slides in its plane, or moves along one line.
-bool is_led(const Scene& scene, const std::vector<Index>& edge) {
+bool is_led(const Body& body, const std::vector<Index>& edge) {
   Mat3 free = Mat3::Zero();
   for (const Index p : edge) {
-    if (scene.fixed[p] != 0) continue;
-    free += scene.held_directions.empty() ? Mat3::Identity() : projector(scene.held_directions[p]);
+    if (body.fixed[p] != 0) continue;
+    free += body.held_directions.empty() ? Mat3::Identity() : projector(body.held_directions[p]);
   }
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(free);
   const Eigen::Index num_held = (axes.eigenvalues().array() <= kInPlane).count();
   if (num_held != 1) return num_held > 1;
   const Vec3 normal = axes.eigenvectors().col(0);
-  const std::vector<Vec3>& points = scene.mesh.points;
+  const std::vector<Vec3>& points = body.mesh.points;
   const double length = (points[edge[1]] - points[edge[0]]).norm();
   return std::all_of(edge.begin(), edge.end(), [&](Index p) {
     return std::abs(normal.dot(points[p] - points[edge[0]])) <= kInPlane * length;
@@ -220,17 +220,17 @@ bool is_led(const Scene& scene, const std::vector<Index>& edge) {
 
 }  // namespace
 
-std::vector<char> holding_points(const Scene& scene) {
-  std::vector<char> holds = scene.fixed;
-  if (!scene.has_supports()) return holds;
-  const std::vector<Index> piece_of = piece_of_points(scene.mesh, find_pieces(scene.mesh));
-  const std::vector<char> on_springs = points_on_springs(scene);
-  std::vector<char> has_supports(scene.mesh.points.size(), 0);
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
+std::vector<char> holding_points(const Body& body) {
+  std::vector<char> holds = body.fixed;
+  if (!body.has_supports()) return holds;
+  const std::vector<Index> piece_of = piece_of_points(body.mesh, find_pieces(body.mesh));
+  const std::vector<char> on_springs = points_on_springs(body);
+  std::vector<char> has_supports(body.mesh.points.size(), 0);
+  for (Index p = 0; p < body.mesh.num_points(); ++p) {
     if (piece_of[p] < 0) continue;
-    if (on_springs[p] != 0 || has_directions(scene, p)) has_supports[piece_of[p]] = 1;
+    if (on_springs[p] != 0 || has_directions(body, p)) has_supports[piece_of[p]] = 1;
   }
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
+  for (Index p = 0; p < body.mesh.num_points(); ++p) {
     if (piece_of[p] >= 0 && has_supports[piece_of[p]] != 0) holds[p] = 1;
   }
   return holds;
@@ -250,42 +250,42 @@ void hold_along(const Vec3& direction, HeldDirections& held, char& fixed) {
   }
 }
 
-void check_supports(Scene& scene) {
-  if (!scene.has_supports()) return;
-  check_array(scene, "HeldDirection", scene.held_directions);
-  check_array(scene, "SupportStiffness", scene.support_stiffness);
-  const std::vector<char> used = points_in_use(scene.mesh);
-  for (std::size_t p = 0; p < scene.held_directions.size(); ++p) {
-    HeldDirections& held = scene.held_directions[p];
-    if (used[p] == 0 || scene.fixed[p] != 0) held.setZero();
+void check_supports(Body& body) {
+  if (!body.has_supports()) return;
+  check_array(body, "HeldDirection", body.held_directions);
+  check_array(body, "SupportStiffness", body.support_stiffness);
+  const std::vector<char> used = points_in_use(body.mesh);
+  for (std::size_t p = 0; p < body.held_directions.size(); ++p) {
+    HeldDirections& held = body.held_directions[p];
+    if (used[p] == 0 || body.fixed[p] != 0) held.setZero();
     make_orthonormal(held);
   }
-  check_array(scene, "HeldDirection", scene.held_directions);
-  for (std::size_t p = 0; p < scene.support_stiffness.size(); ++p) {
-    if (scene.support_stiffness[p] >= 0) continue;
-    throw InputError("SupportStiffness is negative at " + at_point(scene, static_cast<Index>(p)) +
+  check_array(body, "HeldDirection", body.held_directions);
+  for (std::size_t p = 0; p < body.support_stiffness.size(); ++p) {
+    if (body.support_stiffness[p] >= 0) continue;
+    throw InputError("SupportStiffness is negative at " + at_point(body, static_cast<Index>(p)) +
                      ". Give a stiffness above 0 N/m³, or 0 where there are no springs.");
   }
-  if (!scene.support_stiffness.empty() && faces_with(scene.mesh, scene.support_stiffness).empty()) {
+  if (!body.support_stiffness.empty() && faces_with(body.mesh, body.support_stiffness).empty()) {
     throw_no_face("SupportStiffness");
   }
-  if (scene.has_supports()) check_held(scene);
+  if (body.has_supports()) check_held(body);
 }
 
-void check_surface_loads(Scene& scene) {
-  check_array(scene, "AppliedPressure", scene.applied_pressure);
-  check_array(scene, "AppliedTraction", scene.applied_traction);
-  if (!scene.applied_traction.empty() && faces_with(scene.mesh, scene.applied_traction).empty()) {
+void check_surface_loads(Body& body) {
+  check_array(body, "AppliedPressure", body.applied_pressure);
+  check_array(body, "AppliedTraction", body.applied_traction);
+  if (!body.applied_traction.empty() && faces_with(body.mesh, body.applied_traction).empty()) {
     throw_no_face("AppliedTraction");
   }
-  if (scene.applied_pressure.empty()) return;
-  const std::vector<Index> faces = faces_under_pressure(scene.mesh, scene.applied_pressure);
+  if (body.applied_pressure.empty()) return;
+  const std::vector<Index> faces = faces_under_pressure(body.mesh, body.applied_pressure);
   if (faces.empty()) throw_no_face("the same AppliedPressure");
-  for (const std::vector<Index>& edge : rim_of(faces, scene.mesh.order)) {
-    if (is_led(scene, edge)) continue;
+  for (const std::vector<Index>& edge : rim_of(faces, body.mesh.order)) {
+    if (is_led(body, edge)) continue;
     throw InputError(
         "The rim of the surface under AppliedPressure is free to move at " +
-        at_point(scene, edge.front()) +
+        at_point(body, edge.front()) +
         ". There a pressure that follows the surface has no energy, and no symmetric tangent. Fix "
         "the rim, hold it along the normal of the plane in which it lies, close the surface, or "
         "give it AppliedTraction instead, which does not follow the surface.");

@@ -14,26 +14,26 @@ namespace palpate {
 
 /// Holds a point along one more direction; three independent directions fix it.
 /// @param direction Of any length but 0.
-/// @param fixed The entry of the point in Scene::fixed.
+/// @param fixed The entry of the point in Body::fixed.
 void hold_along(const Vec3& direction, HeldDirections& held, char& fixed);
 
 /// The points that hold their pieces, for PieceSupport [num_points]: the fixed ones, and all points
 /// of pieces with other supports, which check() has found to be held.
-/// @param scene A scene that check() accepts.
-[[nodiscard]] std::vector<char> holding_points(const Scene& scene);
+/// @param body One that check() accepts.
+[[nodiscard]] std::vector<char> holding_points(const Body& body);
 
 /// Checks the supports, and that each connected piece with supports besides fixed points is held
 /// against every rigid motion. Directions become orthonormal, those of fixed points are removed,
 /// and arrays of zeros become empty.
-/// @param scene The sizes of `fixed` and of the members before it are valid.
+/// @param body The sizes of `fixed` and of the members before it are valid.
 /// @throws InputError says what is wrong, where, and what to do.
-void check_supports(Scene& scene);
+void check_supports(Body& body);
 
 /// Checks pressures and tractions. The rim of a surface under pressure must not move, or must slide
 /// in a plane: only then has the pressure an energy and a symmetric tangent. Arrays of zeros become
 /// empty.
-/// @param scene Its supports are valid.
+/// @param body Its supports are valid.
 /// @throws InputError says what is wrong, where, and what to do.
-void check_surface_loads(Scene& scene);
+void check_surface_loads(Body& body);
 
 }  // namespace palpate

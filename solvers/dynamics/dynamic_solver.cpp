@@ -64,9 +64,9 @@ InteractionList as_list(const Interaction& tools) {
 }
 
 std::vector<Rheology> checked(const Scene& scene, const std::vector<Rheology>& rheologies) {
-  if (rheologies.size() != scene.materials.size()) {
+  if (rheologies.size() != scene.organ.materials.size()) {
     throw InputError("There are " + std::to_string(rheologies.size()) + " densities for " +
-                     std::to_string(scene.materials.size()) + " materials.");
+                     std::to_string(scene.organ.materials.size()) + " materials.");
   }
   for (const Rheology& rheology : rheologies) validate(rheology);
   if (!has_density(rheologies)) {
@@ -74,7 +74,7 @@ std::vector<Rheology> checked(const Scene& scene, const std::vector<Rheology>& r
         "The body has no density, so that it has no motion in time. Give it one (Density of Assign "
         "Material, kg/m³; soft tissue has about 1000).");
   }
-  if (scene.has_body_force()) {
+  if (scene.organ.has_body_force()) {
     throw InputError("A motion takes its gravity from its options, not from the scene.");
   }
   return rheologies;
@@ -114,10 +114,10 @@ class DynamicSolver::Impl {
         system_(scene, std::move(linear_solver), std::max(2, options_.equilibrium.kept_factors),
                 options_.equilibrium.single_precision ? Precision::single_if_safe : Precision::full,
                 terms),
-        mass_(scene, densities(rheologies_), system_.assembly()),
+        mass_(scene.body, densities(rheologies_), system_.assembly()),
         term_(system_.assembly(), mass_, mass_.weight(options_.gravity)),
         further_(terms) {
-    if (scene_.has_supports_or_surface_loads()) external_.emplace(scene_, system_.assembly());
+    if (scene_.body.has_supports_or_surface_loads()) external_.emplace(scene_, system_.assembly());
     system_.set_interaction(all_tools_);
     require_held();
     if (system_.is_iterative()) team_ = make_thread_team(options_.equilibrium.threads);
@@ -196,7 +196,7 @@ class DynamicSolver::Impl {
         return state;
       }
     }
-    state.message = notes.describe(scene_.mesh, system_.assembly(), shortest);
+    state.message = notes.describe(scene_.body.mesh, system_.assembly(), shortest);
     return state;
   }
 
@@ -207,7 +207,7 @@ class DynamicSolver::Impl {
   void require_held() const {
     const bool has_load = scene_.has_load() || !options_.gravity.isZero(0);
     const bool settles = options_.settled && has_load;
-    PieceSupport(scene_.mesh, system_.holding_points())
+    PieceSupport(scene_.body.mesh, system_.holding_points())
         .require_held(settles ? std::vector<Index>() : held_points(all_tools_));
   }
 
@@ -232,7 +232,7 @@ class DynamicSolver::Impl {
     return " No step may be shorter than " + quantity(shortest) +
            " s (TimeStep, halved MaximumHalvings times). The least det F before it is " +
            quantity(last.minimum_det_f) + " in " +
-           describe_cell(scene_.mesh, last.minimum_det_f_cell) +
+           describe_cell(scene_.body.mesh, last.minimum_det_f_cell) +
            ". Move the tools more slowly or less far, give those that hold the body a TipRadius, "
            "refine the mesh there, or allow for more halvings" +
            advise_finer_quadrature(system_.assembly()) + '.';
@@ -368,7 +368,7 @@ class DynamicSolver::Impl {
   /// The acceleration of the body under the forces that were measured, m/s².
   /// @param before The acceleration; that of the points that tools prescribe is kept.
   [[nodiscard]] NodalVector acceleration_when_let_go(const NodalVector& before) const {
-    std::vector<char> free(scene_.fixed.size());
+    std::vector<char> free(scene_.body.fixed.size());
     const std::vector<Index>& unknown = system_.assembly().unknown_of_point();
     for (std::size_t p = 0; p < free.size(); ++p) free[p] = unknown[p] >= 0 ? 1 : 0;
     NodalVector of_tools = NodalVector::Zero(unbalanced_.size());
@@ -377,7 +377,8 @@ class DynamicSolver::Impl {
       of_tools.segment<3>(3 * Eigen::Index{point}) = before.segment<3>(3 * Eigen::Index{point});
     }
     const NodalVector force = -unbalanced_ - mass_.times(of_tools);
-    return mass_.acceleration(force, free, scene_.held_directions) + of_tools.head(before.size());
+    return mass_.acceleration(force, free, scene_.body.held_directions) +
+           of_tools.head(before.size());
   }
 
   /// Tries a step. It changes nothing but the factors that are kept.

@@ -31,8 +31,7 @@ void Viscosity::for_each_point(F&& f) const {
       for (std::size_t q = 0; q < num_points; ++q) {
         for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
           const Index cell = cells_[g][p * kPacketSize + lane];
-          const Index material =
-              scene_.material_of_cell.empty() ? 0 : scene_.material_of_cell[cell];
+          const Index material = scene_.body.material_of(cell);
           const OfMaterial& of = materials_[material];
           if (!of.rheology.is_viscous()) continue;
           const std::size_t point = p * num_points + q;
@@ -46,8 +45,8 @@ void Viscosity::for_each_point(F&& f) const {
 Viscosity::Viscosity(const Scene& scene, const std::vector<Rheology>& rheologies,
                      Assembly& assembly, const NodalVector& state)
     : scene_(scene), assembly_(assembly), cells_(assembly.cells_of_groups()) {
-  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
-    const Material& material = scene.materials[m];
+  for (std::size_t m = 0; m < scene.organ.materials.size(); ++m) {
+    const Material& material = scene.organ.materials[m];
     OfMaterial& of = materials_.emplace_back();
     of.rheology = rheologies[m];
     of.mu = shear_modulus(material);
@@ -56,7 +55,7 @@ Viscosity::Viscosity(const Scene& scene, const std::vector<Rheology>& rheologies
       if (of.rheology.prony_moduli[j] > 0) num_terms_ = std::max(num_terms_, j + 1);
     }
   }
-  factors_.assign(scene.materials.size(), 1);
+  factors_.assign(scene.organ.materials.size(), 1);
   memory_.stress = assembly.make_point_tensors();
   for (const std::vector<Index>& of_group : cells_)
     memory_.moduli.emplace_back(2 * of_group.size());
@@ -115,8 +114,7 @@ bool Viscosity::begin_step(double h, const Vec3& rate) {
   for (std::size_t g = 0; g < cells_.size(); ++g) {
     for (std::size_t place = 0; place < cells_[g].size(); ++place) {
       const Index cell = cells_[g][place];
-      const OfMaterial& of =
-          materials_[scene_.material_of_cell.empty() ? 0 : scene_.material_of_cell[cell]];
+      const OfMaterial& of = materials_[scene_.body.material_of(cell)];
       const std::size_t at = place / kPacketSize * 2 * kPacketSize + place % kPacketSize;
       const double factor = of.rheology.viscous_time * rate[0];
       memory_.moduli[g][at] = factor * of.lambda;

@@ -33,11 +33,11 @@ Eigen::VectorXd row_norms(const SymmetricPattern& pattern, const std::vector<dou
 CondensedSystem::CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolver> solver,
                                  int kept_factors, Precision precision,
                                  const std::vector<const EnergyTerm*>& terms)
-    : mesh_(scene.mesh),
-      holding_points_(palpate::holding_points(scene)),
+    : mesh_(scene.body.mesh),
+      holding_points_(palpate::holding_points(scene.body)),
       assembly_(scene),
       pattern_(assembly_),
-      constraints_(scene, assembly_),
+      constraints_(scene.body, assembly_),
       rest_(NodalVector::Zero(assembly_.state_size())),
       kept_factors_(static_cast<std::size_t>(kept_factors)),
       precision_(is_saddle() ? Precision::full : precision) {

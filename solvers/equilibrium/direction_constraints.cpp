@@ -6,16 +6,16 @@
 
 namespace palpate {
 
-DirectionConstraints::DirectionConstraints(const Scene& scene, const Assembly& assembly) {
-  if (scene.held_directions.empty()) return;
+DirectionConstraints::DirectionConstraints(const Body& body, const Assembly& assembly) {
+  if (body.held_directions.empty()) return;
   const std::vector<Index>& unknown_of_point = assembly.unknown_of_point();
-  of_point_.assign(scene.held_directions.size(), -1);
+  of_point_.assign(body.held_directions.size(), -1);
   num_displacements_ = assembly.pattern().size - assembly.num_unknown_pressures();
   for (Index p = 0; p < static_cast<Index>(of_point_.size()); ++p) {
     const Index unknown = unknown_of_point[p];
-    if (unknown < 0 || scene.held_directions[p].isZero(0)) continue;
+    if (unknown < 0 || body.held_directions[p].isZero(0)) continue;
     of_point_[p] = static_cast<Index>(points_.size());
-    points_.push_back({p, unknown, projector(scene.held_directions[p]), 0});
+    points_.push_back({p, unknown, projector(body.held_directions[p]), 0});
   }
   set_pattern(assembly.pattern());
 }

@@ -18,8 +18,8 @@ namespace palpate {
 
 class DirectionConstraints {
  public:
-  /// @param scene A scene that check() accepts.
-  DirectionConstraints(const Scene& scene, const Assembly& assembly);
+  /// @param body One that check() accepts.
+  DirectionConstraints(const Body& body, const Assembly& assembly);
 
   /// Sets the pattern of the values that are constrained. It is that of the assembly until then.
   void set_pattern(const SymmetricPattern& pattern);

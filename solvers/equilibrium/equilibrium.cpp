@@ -51,9 +51,9 @@ std::string names_of_loads(const Scene& scene, const std::vector<const EnergyTer
   const auto add = [&](bool is_there, const char* name) {
     if (is_there) names += (names.empty() ? "" : " and ") + std::string(name);
   };
-  add(scene.has_body_force(), "BodyForce");
-  add(!scene.applied_pressure.empty(), "AppliedPressure");
-  add(!scene.applied_traction.empty(), "AppliedTraction");
+  add(scene.organ.has_body_force(), "BodyForce");
+  add(!scene.body.applied_pressure.empty(), "AppliedPressure");
+  add(!scene.body.applied_traction.empty(), "AppliedTraction");
   add(!terms.empty(), "further energies");
   return names;
 }
@@ -116,10 +116,10 @@ class EquilibriumSolver::Impl {
         team_(std::move(team)),
         system_(scene, std::move(solver), options_.kept_factors,
                 options_.single_precision ? Precision::single_if_safe : Precision::full, terms),
-        support_(scene.mesh, system_.holding_points()),
+        support_(scene.body.mesh, system_.holding_points()),
         rest_(NodalVector::Zero(system_.assembly().state_size())) {
     settled_.outcome = Outcome::converged;
-    if (scene.has_load() || !scene.support_stiffness.empty() || !terms.empty()) {
+    if (scene.has_load() || !scene.body.support_stiffness.empty() || !terms.empty()) {
       set_external(scene, terms);
     }
   }

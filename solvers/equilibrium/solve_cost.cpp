@@ -51,21 +51,21 @@ double least_seconds(const std::function<void()>& work) {
 
 /// The body with all points held but those nearest to one of the free points.
 Scene hold_most(const Scene& scene) {
-  const std::vector<char> used = points_in_use(scene.mesh);
+  const std::vector<char> used = points_in_use(scene.body.mesh);
   std::vector<std::size_t> points;
   for (std::size_t p = 0; p < used.size(); ++p) {
-    if (used[p] != 0 && scene.fixed[p] == 0) points.push_back(p);
+    if (used[p] != 0 && scene.body.fixed[p] == 0) points.push_back(p);
   }
   if (points.size() <= kTimedPoints) return scene;
-  const Vec3 middle = scene.mesh.points[points.front()];
+  const Vec3 middle = scene.body.mesh.points[points.front()];
   const auto distance = [&](std::size_t p) {
-    return (scene.mesh.points[p] - middle).squaredNorm();
+    return (scene.body.mesh.points[p] - middle).squaredNorm();
   };
   std::nth_element(points.begin(), points.begin() + kTimedPoints, points.end(),
                    [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
   Scene part = scene;
   std::for_each(points.begin() + kTimedPoints, points.end(),
-                [&](std::size_t p) { part.fixed[p] = 1; });
+                [&](std::size_t p) { part.body.fixed[p] = 1; });
   return part;
 }
 
@@ -98,7 +98,7 @@ void measure_factor(const Scene& scene, const Assembly& body, LinearSolver& whol
 
 void measure_iteration(const Scene& scene, const Assembly& body, const std::vector<double>& values,
                        SolveCost& cost) {
-  KrylovTangent tangent(scene.mesh, body, body.pattern(), values);
+  KrylovTangent tangent(scene.body.mesh, body, body.pattern(), values);
   tangent.take(values);
   Eigen::MatrixXd columns(body.pattern().size, 3);
   for (Eigen::Index i = 0; i < columns.size(); ++i) columns(i) = static_cast<double>(i % 7) - 3;

@@ -22,7 +22,7 @@ bool is_solved_well(const Scene& scene) {
   NodalVector force;
   std::vector<double> values;
   assembly.tangent(NodalVector::Zero(assembly.state_size()), force, values);
-  KrylovTangent tangent(scene.mesh, assembly, assembly.pattern(), values);
+  KrylovTangent tangent(scene.body.mesh, assembly, assembly.pattern(), values);
   tangent.take(values);
   Eigen::MatrixXd column = Eigen::MatrixXd::Ones(assembly.pattern().size, 1);
   const SolveSummary summary = tangent.solve(column, kTrialError);
@@ -42,17 +42,17 @@ std::unique_ptr<LinearSolver> make_tangent_solver(const std::string& name) {
 }
 
 long count_unknowns(const Scene& scene) {
-  const std::vector<char> used = points_in_use(scene.mesh);
+  const std::vector<char> used = points_in_use(scene.body.mesh);
   long count = 0;
   for (std::size_t point = 0; point < used.size(); ++point) {
-    count += used[point] != 0 && scene.fixed[point] == 0 ? 3 : 0;
+    count += used[point] != 0 && scene.body.fixed[point] == 0 ? 3 : 0;
   }
   return count;
 }
 
 bool may_do_without_factor(const Scene& scene) {
   const bool is_mixed =
-      std::any_of(scene.materials.begin(), scene.materials.end(),
+      std::any_of(scene.organ.materials.begin(), scene.organ.materials.end(),
                   [](const Material& m) { return palpate::is_mixed(m.formulation); });
   return !is_mixed && count_unknowns(scene) >= kUnknownsWithoutFactor;
 }

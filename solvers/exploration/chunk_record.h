@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,15 +14,18 @@
 #include "exploration/record.h"
 #include "fields/space_chunk.h"
 #include "interaction/interaction_spec.h"
+#include "state_space/shown_surface.h"
 
 namespace palpate {
 
 class ChunkRecord final : public Record {
  public:
   /// @param record Keeps the results.
-  /// @param setups The tool spaces, ordered by their numbers.
-  /// @param scene, tools, communicator They must outlive this object.
-  ChunkRecord(std::unique_ptr<Record> record, const Scene& scene, InteractionFactory& tools,
+  /// @param setups The tool spaces, ordered by their keys.
+  /// @param bodies, communicator They must outlive this object.
+  /// @param tools_of The factory of the tools of a body.
+  ChunkRecord(std::unique_ptr<Record> record, const std::vector<SpaceBody>& bodies,
+              std::function<InteractionFactory&(BodyId)> tools_of,
               const std::vector<ToolSpaceSetup>& setups, double bound, Communicator& communicator);
 
   /// The largest number of configurations of one rank in a chunk.
@@ -34,24 +38,24 @@ class ChunkRecord final : public Record {
   /// @note Collective
   [[nodiscard]] std::optional<SpaceChunk> take();
 
-  [[nodiscard]] Known known(ToolSpaceId tool_space) const override {
+  [[nodiscard]] Known known(ToolSpaceKey tool_space) const override {
     return record_->known(tool_space);
   }
   [[nodiscard]] std::vector<IntermediateState> known_intermediate_states(
-      ToolSpaceId tool_space) const override {
+      ToolSpaceKey tool_space) const override {
     return record_->known_intermediate_states(tool_space);
   }
   [[nodiscard]] std::vector<std::string> damaged() const override { return record_->damaged(); }
-  void keep(ToolSpaceId tool_space, const Configuration& found,
+  void keep(ToolSpaceKey tool_space, const Configuration& found,
             const std::vector<IntermediateState>& way) override;
-  void keep(ToolSpaceId tool_space, const LevelTransition& transition) override;
-  void settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate,
+  void keep(ToolSpaceKey tool_space, const LevelTransition& transition) override;
+  void settle(ToolSpaceKey tool_space, const ConfigurationSummary& candidate,
               std::int32_t level) override;
-  [[nodiscard]] Configuration load(ToolSpaceId tool_space,
+  [[nodiscard]] Configuration load(ToolSpaceKey tool_space,
                                    const ConfigurationSummary& summary) const override {
     return record_->load(tool_space, summary);
   }
-  [[nodiscard]] Keep kept(ToolSpaceId tool_space,
+  [[nodiscard]] Keep kept(ToolSpaceKey tool_space,
                           const ConfigurationSummary& summary) const override {
     return record_->kept(tool_space, summary);
   }
@@ -65,7 +69,7 @@ class ChunkRecord final : public Record {
  private:
   /// A configuration that was found, as a rank sends it to rank 0.
   struct Found {
-    ToolSpaceId tool_space = 0;
+    ToolSpaceKey tool_space;
     ConfigurationSummary summary;
     std::vector<IntermediateState> way;
     /// The fields at the surface, from the body at rest; without columns: there are none.
@@ -89,24 +93,23 @@ class ChunkRecord final : public Record {
   [[nodiscard]] std::vector<Found> next();
   /// Makes the chunk of a tool space, on rank 0.
   [[nodiscard]] ToolSpaceChunk chunk_of(const ToolSpaceSetup& setup, std::vector<Found> found);
-  void reduce(const std::vector<Found>& found, double step, Modes& modes, ToolSpaceChunk& chunk);
+  void reduce(const ToolSpaceSetup& setup, const std::vector<Found>& found, ToolSpaceChunk& chunk);
 
   std::unique_ptr<Record> record_;
-  const Scene& scene_;
-  InteractionFactory& tools_;
+  const std::vector<SpaceBody>& bodies_;
+  ShownSurface shown_;
+  std::function<InteractionFactory&(BodyId)> tools_of_;
   std::vector<ToolSpaceSetup> setups_;
   double bound_;
   Communicator& communicator_;
-  /// The points of the mesh at the surface.
-  std::vector<Index> points_;
   bool has_noted_known_ = false;
   /// The configurations that no chunk has had yet.
   std::deque<Found> found_;
-  std::vector<std::pair<ToolSpaceId, LevelTransition>> transitions_;
+  std::vector<std::pair<ToolSpaceKey, LevelTransition>> transitions_;
   std::int64_t num_chunks_ = 0;
-  std::map<ToolSpaceId, Modes> modes_;
+  std::map<ToolSpaceKey, Modes> modes_;
   /// The clearances of rigid tools.
-  std::map<ToolSpaceId, Clearance> clearances_;
+  std::map<ToolSpaceKey, Clearance> clearances_;
 };
 
 }  // namespace palpate

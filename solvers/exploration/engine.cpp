@@ -77,9 +77,9 @@ Engine::Engine(const std::vector<PlannedSpace>& spaces, StateSolver& solver, Rec
       report_(report),
       queue_(spaces) {
   for (const auto& [setup, plan] : spaces) {
-    const bool is_here = owner_of(plan->owner_key(setup.id, {}), num_ranks_) == rank_;
+    const bool is_here = owner_of(plan->owner_key(setup.key(), {}), num_ranks_) == rank_;
     if (!plan->is_spread() && !is_here) continue;
-    owned_[setup.id].strategy = plan->make_strategy(rank_, num_ranks_);
+    owned_[setup.key()].strategy = plan->make_strategy(rank_, num_ranks_);
   }
 }
 
@@ -137,7 +137,7 @@ void Engine::start(Mail& mail) {
   switch (std::exchange(begin_, Begin::resume)) {
     case Begin::recall:
       if (rank_ != 0) return;
-      for (const PlannedSpace& space : spaces_) to_recall_.push_back(space.setup.id);
+      for (const PlannedSpace& space : spaces_) to_recall_.push_back(space.setup.key());
       return;
     case Begin::plan:
       for (auto& [id, owned] : owned_) send_transitions(id, mail);
@@ -149,7 +149,7 @@ void Engine::start(Mail& mail) {
 /// Tells the owners a few configurations and transitions of earlier runs. The last message of a
 /// tool space says that the owners can begin with it.
 void Engine::recall_some(Mail& mail) {
-  const ToolSpaceId id = to_recall_.front();
+  const ToolSpaceKey id = to_recall_.front();
   if (known_ == nullptr) known_ = std::make_unique<Known>(record_.known(id));
   std::map<int, Known> parts;
   std::size_t left = kRecalledAtOnce;
@@ -184,19 +184,19 @@ void Engine::recall_some(Mail& mail) {
   to_recall_.pop_front();
 }
 
-ToolSpaceId Engine::take_space(Unpacker& content) const {
-  const auto id = content.take<ToolSpaceId>();
+ToolSpaceKey Engine::take_space(Unpacker& content) const {
+  const auto id = content.take<ToolSpaceKey>();
   Unpacker::require(has_space(spaces_, id));
   return id;
 }
 
-ToolSpaceId Engine::take_owned_space(Unpacker& content) const {
-  const auto id = content.take<ToolSpaceId>();
+ToolSpaceKey Engine::take_owned_space(Unpacker& content) const {
+  const auto id = content.take<ToolSpaceKey>();
   Unpacker::require(owned_.count(id) > 0);
   return id;
 }
 
-ConfigurationSummary Engine::take_summary(Unpacker& content, ToolSpaceId tool_space) const {
+ConfigurationSummary Engine::take_summary(Unpacker& content, ToolSpaceKey tool_space) const {
   auto summary = content.take<ConfigurationSummary>();
   require_possible(setup_of(tool_space).grid, summary);
   return summary;
@@ -261,7 +261,7 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
   }
 }
 
-void Engine::ask(ToolSpaceId tool_space, const CheckPoint& of, const Question& question,
+void Engine::ask(ToolSpaceKey tool_space, const CheckPoint& of, const Question& question,
                  Mail& mail) {
   Packer message;
   message.put(Kind::ask);
@@ -270,7 +270,7 @@ void Engine::ask(ToolSpaceId tool_space, const CheckPoint& of, const Question& q
   mail.send_to_owner(owner_key(tool_space, of), message.take());
 }
 
-void Engine::hear(ToolSpaceId tool_space, const Question& question, Mail& mail) {
+void Engine::hear(ToolSpaceKey tool_space, const Question& question, Mail& mail) {
   Owned& owned = owned_.at(tool_space);
   if (!owned.has_recalled) return owned.postponed.push_back(question);
   const CheckPoint& target = question.target.check_point;
@@ -307,8 +307,8 @@ void Engine::send_ready(Mail& mail) {
   }
 }
 
-void Engine::answer_waiting(ToolSpaceId tool_space, Owned& owned, const ConfigurationSummary& found,
-                            bool is_recalled, Mail& mail) {
+void Engine::answer_waiting(ToolSpaceKey tool_space, Owned& owned,
+                            const ConfigurationSummary& found, bool is_recalled, Mail& mail) {
   const CheckPoint& start = found.check_point;
   const std::vector<Target> waiting = std::exchange(owned.waiting[start], {});
   owned.waiting.erase(start);
@@ -339,7 +339,7 @@ void Engine::answer_waiting(ToolSpaceId tool_space, Owned& owned, const Configur
   }
 }
 
-void Engine::send(ToolSpaceId tool_space, const Located& start, const std::vector<Target>& targets,
+void Engine::send(ToolSpaceKey tool_space, const Located& start, const std::vector<Target>& targets,
                   Mail& mail) {
   Batch batch;
   batch.tool_space = tool_space;
@@ -352,7 +352,7 @@ void Engine::send(ToolSpaceId tool_space, const Located& start, const std::vecto
   mail.send(start.rank, message.take());
 }
 
-void Engine::take_in(ToolSpaceId tool_space, const ConfigurationSummary& found, int rank,
+void Engine::take_in(ToolSpaceKey tool_space, const ConfigurationSummary& found, int rank,
                      Mail& mail) {
   Owned& owned = owned_.at(tool_space);
   if (found.level < 0) {
@@ -375,7 +375,7 @@ void Engine::take_in(ToolSpaceId tool_space, const ConfigurationSummary& found, 
 
 /// Records first which level a transition has reached, and then has the candidate settled by the
 /// rank that keeps it. If the run is killed in between, the next run settles the candidate.
-void Engine::settle(ToolSpaceId tool_space, Owned& owned, const Settlement& settlement,
+void Engine::settle(ToolSpaceKey tool_space, Owned& owned, const Settlement& settlement,
                     Mail& mail) {
   const LevelTransition& transition = settlement.transition;
   record_.keep(tool_space, transition);
@@ -414,7 +414,7 @@ Engine::Target Engine::target_of(const Owned& owned, const Transition& transitio
   return target;
 }
 
-void Engine::send_transitions(ToolSpaceId tool_space, Mail& mail) {
+void Engine::send_transitions(ToolSpaceKey tool_space, Mail& mail) {
   Owned& owned = owned_.at(tool_space);
   const std::vector<Transition> asked = owned.strategy->next();
   report_.num_expected += owned.strategy->num_expected() - owned.num_expected;
@@ -484,7 +484,7 @@ void Engine::work(Mail& mail) {
   if (!to_recall_.empty()) return recall_some(mail);
   if (!ready_.empty()) return send_ready(mail);
   current_ = queue_.take_next();
-  const ToolSpaceId id = current_->tool_space;
+  const ToolSpaceKey id = current_->tool_space;
   const Target target = current_->targets.front();
   current_->targets.pop_front();
   load_state(*current_);

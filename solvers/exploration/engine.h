@@ -55,7 +55,7 @@ class Engine final : public Worker {
   void plan_anew();
   /// The check-points of a spread tool space that this rank owns and that were found or given up.
   /// Call this between runs.
-  [[nodiscard]] const std::vector<ConfigurationSummary>& known_here(ToolSpaceId tool_space) const {
+  [[nodiscard]] const std::vector<ConfigurationSummary>& known_here(ToolSpaceKey tool_space) const {
     return owned_.at(tool_space).known;
   }
 
@@ -132,21 +132,21 @@ class Engine final : public Worker {
   void tell();
   /// Sends the transitions that a strategy asks for to the ranks that have their starts, and
   /// records the targets that it has given up.
-  void send_transitions(ToolSpaceId tool_space, Mail& mail);
+  void send_transitions(ToolSpaceKey tool_space, Mail& mail);
   /// The target of a transition, with the iterations and the time of earlier attempts.
   [[nodiscard]] static Target target_of(const Owned& owned, const Transition& transition);
-  void settle(ToolSpaceId tool_space, Owned& owned, const Settlement& settlement, Mail& mail);
-  void take_in(ToolSpaceId tool_space, const ConfigurationSummary& found, int rank, Mail& mail);
+  void settle(ToolSpaceKey tool_space, Owned& owned, const Settlement& settlement, Mail& mail);
+  void take_in(ToolSpaceKey tool_space, const ConfigurationSummary& found, int rank, Mail& mail);
   /// Answers those that wait for a check-point of a spread tool space which was found, or given up.
-  void answer_waiting(ToolSpaceId tool_space, Owned& owned, const ConfigurationSummary& found,
+  void answer_waiting(ToolSpaceKey tool_space, Owned& owned, const ConfigurationSummary& found,
                       bool is_recalled, Mail& mail);
-  void ask(ToolSpaceId tool_space, const CheckPoint& of, const Question& question, Mail& mail);
-  void hear(ToolSpaceId tool_space, const Question& question, Mail& mail);
+  void ask(ToolSpaceKey tool_space, const CheckPoint& of, const Question& question, Mail& mail);
+  void hear(ToolSpaceKey tool_space, const Question& question, Mail& mail);
   /// Sends the transitions that wait for a start which is known here. They are grouped by start, so
   /// that each start is factorised once.
   void send_ready(Mail& mail);
   /// Sends transitions from one start to the rank whose record has the start.
-  void send(ToolSpaceId tool_space, const Located& start, const std::vector<Target>& targets,
+  void send(ToolSpaceKey tool_space, const Located& start, const std::vector<Target>& targets,
             Mail& mail);
   /// Sends the latest steering to the other ranks.
   void send_steering(Mail& mail);
@@ -160,20 +160,20 @@ class Engine final : public Worker {
   /// Take from a message the number of a tool space, the number of one that this rank owns, or a
   /// part of it, and a configuration.
   /// @throws BackendError there is none with that number, or the configuration is not of its grid.
-  [[nodiscard]] ToolSpaceId take_space(Unpacker& content) const;
-  [[nodiscard]] ToolSpaceId take_owned_space(Unpacker& content) const;
-  [[nodiscard]] ConfigurationSummary take_summary(Unpacker& content, ToolSpaceId tool_space) const;
+  [[nodiscard]] ToolSpaceKey take_space(Unpacker& content) const;
+  [[nodiscard]] ToolSpaceKey take_owned_space(Unpacker& content) const;
+  [[nodiscard]] ConfigurationSummary take_summary(Unpacker& content, ToolSpaceKey tool_space) const;
   /// Reads the state of a batch's start, unless it was read before. If only a part of its fields
   /// was kept, the equilibrium is solved for again; if it is not found again, its outcome says so
   /// and the transitions from it fail.
   void load_state(Batch& batch);
-  [[nodiscard]] const PlannedSpace& space(ToolSpaceId tool_space) const {
+  [[nodiscard]] const PlannedSpace& space(ToolSpaceKey tool_space) const {
     return find_space(spaces_, tool_space);
   }
-  [[nodiscard]] const ToolSpaceSetup& setup_of(ToolSpaceId tool_space) const {
+  [[nodiscard]] const ToolSpaceSetup& setup_of(ToolSpaceKey tool_space) const {
     return space(tool_space).setup;
   }
-  [[nodiscard]] std::uint64_t owner_key(ToolSpaceId tool_space, const CheckPoint& p) const {
+  [[nodiscard]] std::uint64_t owner_key(ToolSpaceKey tool_space, const CheckPoint& p) const {
     return space(tool_space).plan->owner_key(tool_space, p);
   }
   [[nodiscard]] Configuration make(const Batch& batch, const Target& target);
@@ -189,7 +189,7 @@ class Engine final : public Worker {
   Record& record_;
   Monitor& monitor_;
   PrecomputeReport& report_;
-  std::map<ToolSpaceId, Owned> owned_;
+  std::map<ToolSpaceKey, Owned> owned_;
   /// What the next run begins with: what earlier runs have found, a new round, or the tasks that
   /// are left of a run that was paused.
   enum class Begin : char { recall, plan, resume };
@@ -197,12 +197,12 @@ class Engine final : public Worker {
   bool is_discarded_ = false;
   /// On rank 0: the tool spaces whose owners were not told yet what earlier runs have found, and
   /// what is left to tell of the first of them; null until it is read.
-  std::deque<ToolSpaceId> to_recall_;
+  std::deque<ToolSpaceKey> to_recall_;
   std::unique_ptr<Known> known_;
   /// The number of targets that were given up here without any transition.
   std::int64_t num_not_reached_ = 0;
   /// Targets that wait for a start which is known here, by start.
-  std::map<std::pair<ToolSpaceId, CheckPoint>, std::vector<Target>> ready_;
+  std::map<std::pair<ToolSpaceKey, CheckPoint>, std::vector<Target>> ready_;
   TransitionQueue queue_;
   /// The number and the rank of the steering that is followed; the greater pair is the later one.
   std::pair<std::int64_t, int> steering_version_{0, 0};

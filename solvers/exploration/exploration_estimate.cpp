@@ -83,15 +83,18 @@ ExplorationEstimate estimate_exploration(const PrecomputeOptions& options,
 ExplorationEstimate estimate_exploration(const Scene& scene, const PrecomputeOptions& options,
                                          const SolveCost& cost, int num_ranks) {
   validate(options);
-  InteractionFactory tools(scene);
-  std::vector<PlannedSpace> spaces = plan_spaces(scene, options, tools);
+  // The mesh stands for the body at rest.
+  const SpaceBody body{
+      kFirstBody, std::shared_ptr<const Scene>(std::shared_ptr<void>(), &scene), {}, {}};
+  InteractionFactory tools(scene.body);
+  std::vector<PlannedSpace> spaces = plan_spaces(body, options, tools);
   require_few_enough(options, spaces);
   ExplorationEstimate all = estimate_exploration(options, spaces, cost, num_ranks);
   if (options.contact && !options.active_nodes.empty()) {
     PrecomputeOptions bonded = options;
     bonded.contact.reset();
     const ExplorationEstimate nodes =
-        estimate_exploration(bonded, plan_grids(scene, bonded), cost, num_ranks);
+        estimate_exploration(bonded, plan_grids(body, bonded), cost, num_ranks);
     all.num_configurations += nodes.num_configurations;
     all.seconds += nodes.seconds;
     all.file_bytes += nodes.file_bytes;

@@ -33,8 +33,9 @@ class GridPlan final : public ExplorationPlan {
 
 }  // namespace
 
-std::uint64_t ExplorationPlan::owner_key(ToolSpaceId tool_space, const CheckPoint& p) const {
-  auto key = static_cast<std::uint64_t>(tool_space);
+std::uint64_t ExplorationPlan::owner_key(ToolSpaceKey tool_space, const CheckPoint& p) const {
+  auto key = static_cast<std::uint64_t>(tool_space.id);
+  if (tool_space.body != kFirstBody) key = mix(key) ^ static_cast<std::uint64_t>(tool_space.body);
   if (!is_spread()) return key;
   for (const std::int32_t x : p) key = mix(key) ^ static_cast<std::uint32_t>(x);
   return key;
@@ -42,20 +43,20 @@ std::uint64_t ExplorationPlan::owner_key(ToolSpaceId tool_space, const CheckPoin
 
 namespace {
 
-auto place_of(const std::vector<PlannedSpace>& spaces, ToolSpaceId tool_space) {
+auto place_of(const std::vector<PlannedSpace>& spaces, ToolSpaceKey tool_space) {
   return std::lower_bound(
       spaces.begin(), spaces.end(), tool_space,
-      [](const PlannedSpace& space, ToolSpaceId id) { return space.setup.id < id; });
+      [](const PlannedSpace& space, ToolSpaceKey key) { return space.setup.key() < key; });
 }
 
 }  // namespace
 
-bool has_space(const std::vector<PlannedSpace>& spaces, ToolSpaceId tool_space) {
+bool has_space(const std::vector<PlannedSpace>& spaces, ToolSpaceKey tool_space) {
   const auto place = place_of(spaces, tool_space);
-  return place != spaces.end() && place->setup.id == tool_space;
+  return place != spaces.end() && place->setup.key() == tool_space;
 }
 
-const PlannedSpace& find_space(const std::vector<PlannedSpace>& spaces, ToolSpaceId tool_space) {
+const PlannedSpace& find_space(const std::vector<PlannedSpace>& spaces, ToolSpaceKey tool_space) {
   return *place_of(spaces, tool_space);
 }
 

@@ -32,7 +32,7 @@ class ExplorationPlan {
                                                                            int num_ranks) const = 0;
 
   /// The key of the owner of a check-point, see owner.h.
-  [[nodiscard]] std::uint64_t owner_key(ToolSpaceId tool_space, const CheckPoint& p) const;
+  [[nodiscard]] std::uint64_t owner_key(ToolSpaceKey tool_space, const CheckPoint& p) const;
 
  protected:
   ExplorationPlan() = default;
@@ -46,9 +46,9 @@ struct PlannedSpace {
 
 /// Whether any of the spaces has a number, and the space that has it. The spaces must be ordered by
 /// their numbers.
-[[nodiscard]] bool has_space(const std::vector<PlannedSpace>& spaces, ToolSpaceId tool_space);
+[[nodiscard]] bool has_space(const std::vector<PlannedSpace>& spaces, ToolSpaceKey tool_space);
 [[nodiscard]] const PlannedSpace& find_space(const std::vector<PlannedSpace>& spaces,
-                                             ToolSpaceId tool_space);
+                                             ToolSpaceKey tool_space);
 
 /// The plan of a grid around rest, by the strategy that the policy asks for.
 [[nodiscard]] std::shared_ptr<const ExplorationPlan> make_grid_plan(const ToolSpaceSetup& setup);

@@ -2,6 +2,7 @@
 #include "exploration/exploration_session.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -47,106 +48,178 @@ struct NoMailAfterwards {
 
 }  // namespace
 
+/// What solves for the states of one body.
+struct BodySolver {
+  std::unique_ptr<EquilibriumSolver> equilibria;
+  /// The name of its linear solver.
+  std::string name;
+  std::optional<InteractionFactory> tools;
+  std::optional<InteractionSolver> states;
+};
+
 struct ExplorationSession::Impl {
-  Impl(std::shared_ptr<const Scene> asked, const PrecomputeOptions& asked_options,
+  Impl(const std::vector<BodyOfRun>& asked, const PrecomputeOptions& asked_options,
        Communicator& all, const Progress& progress, const MakeSolver& make_solver, TakeChunk take);
 
+  /// Makes the solver of each body, and finds its rest.
+  void take_bodies(const std::vector<BodyOfRun>& asked, const MakeSolver& make_solver);
+  /// Plans the tool spaces of all bodies.
+  void plan(const std::vector<BodyOfRun>& asked);
+  /// Opens the record, and begins to note chunks if they are asked for.
+  void open_record();
+  [[nodiscard]] BodySolver& solver_of(BodyId body) {
+    return *solvers[static_cast<std::size_t>(body - kFirstBody)];
+  }
   PrecomputeResult result_of(TouchSpace space, SteadyClock::time_point begin);
   /// @note Collective
   void give_chunks();
+  /// Plans the next rounds of rigid tools. @returns False: none is needed.
+  /// @note Collective
+  [[nodiscard]] bool plan_rounds();
 
-  std::shared_ptr<const Scene> scene_asked;
   PrecomputeOptions options;
   Communicator& communicator;
   Monitor monitor;
   TakeChunk take_chunk;
   PrecomputeReport report;
-  std::unique_ptr<EquilibriumSolver> solver;
-  std::optional<Scene> settled;
-  /// The scene at rest under its load: the given one, or `settled`.
-  const Scene* scene = nullptr;
-  std::optional<InteractionFactory> tools;
-  std::optional<InteractionSolver> state_solver;
+  /// The bodies in the order of their numbers, and their solvers.
+  std::vector<SpaceBody> bodies;
+  std::vector<std::unique_ptr<BodySolver>> solvers;
+  SolverOfBodies state_solver;
   std::vector<PlannedSpace> spaces;
   std::unique_ptr<Record> record;
   /// The record, if it gives chunks; else null.
   ChunkRecord* chunks = nullptr;
   std::optional<Engine> engine;
-  std::optional<ShellRounds> rounds;
+  /// One for each space of a rigid tool that is explored in rounds.
+  std::vector<ShellRounds> rounds;
   /// Damaged parts of the file, until they are reported.
   std::vector<std::string> damaged;
   bool is_published = false;
   State state = State::paused;
 };
 
-ExplorationSession::Impl::Impl(std::shared_ptr<const Scene> asked,
+ExplorationSession::Impl::Impl(const std::vector<BodyOfRun>& asked,
                                const PrecomputeOptions& asked_options, Communicator& all,
                                const Progress& progress, const MakeSolver& make_solver,
                                TakeChunk take)
-    : scene_asked(std::move(asked)),
-      options(asked_options),
+    : options(asked_options),
       communicator(all),
       monitor(progress, all.network()),
       take_chunk(std::move(take)) {
   const SteadyClock::time_point begin = SteadyClock::now();
-  std::string solver_name;
+  take_bodies(asked, make_solver);
+  plan(asked);
+  open_record();
+  engine.emplace(spaces, state_solver, *record, communicator.network(), monitor, report);
+  if (options.contact && options.tolerance > 0) {
+    for (PlannedSpace& space : spaces) {
+      rounds.emplace_back(space,
+                          solver_of(space.setup.body).tools->clearance(space.setup.interaction),
+                          options.contact->shell.begin_at);
+    }
+  }
+  report.exploration_seconds = seconds_since(begin);
+}
+
+void ExplorationSession::Impl::take_bodies(const std::vector<BodyOfRun>& asked,
+                                           const MakeSolver& make_solver) {
+  for (const BodyOfRun& of_run : asked) {
+    SpaceBody& body = bodies.emplace_back();
+    body.number = kFirstBody + static_cast<BodyId>(bodies.size()) - 1;
+    body.scene = of_run.scene;
+    solvers.push_back(std::make_unique<BodySolver>());
+  }
   // Check everything that can be wrong before a file is touched.
   agree(communicator, [&] {
     with_memory("to prepare the solver of the body", [&] {
-      std::unique_ptr<LinearSolver> linear_solver = make_solver();
-      solver_name = linear_solver == nullptr ? kConjugateGradients : linear_solver->name();
-      solver = std::make_unique<EquilibriumSolver>(*scene_asked, solver_options(options, monitor),
-                                                   std::move(linear_solver));
+      for (SpaceBody& body : bodies) {
+        require_one_organ(*bodies.front().scene, *body.scene);
+        BodySolver& solver = solver_of(body.number);
+        std::unique_ptr<LinearSolver> linear_solver = make_solver(*body.scene);
+        solver.name = linear_solver == nullptr ? kConjugateGradients : linear_solver->name();
+        solver.equilibria = std::make_unique<EquilibriumSolver>(
+            *body.scene, solver_options(options, monitor), std::move(linear_solver));
+        body.hash = hash(*body.scene);
+      }
     });
   });
-  scene = &settle(*scene_asked, *solver, options.file, communicator, settled);
-  tools.emplace(*scene);
+  for (SpaceBody& body : bodies) {
+    BodySolver& solver = solver_of(body.number);
+    body.at_rest = settle(*body.scene, *solver.equilibria, options.file, communicator);
+    solver.tools.emplace(body.scene->body, body.at_rest);
+    solver.states.emplace(body, *solver.equilibria, *solver.tools);
+    state_solver.add(body.number, *solver.states);
+  }
+}
+
+void ExplorationSession::Impl::plan(const std::vector<BodyOfRun>& asked) {
   agree(communicator, [&] {
     with_memory("to prepare the solver of the body", [&] {
-      state_solver.emplace(*scene, *solver, *tools);
-      spaces = plan_spaces(*scene, options, *tools);
-      require_few_enough(options, spaces);
-      if (communicator.rank() != 0 || !options.expects) return;
-      const SolveCost cost = measure_solve_cost(*scene, solver_name, options.equilibrium.threads);
-      options.expects(estimate_exploration(options, spaces, cost, communicator.size()));
+      if (options.contact) {
+        // One tool presses all bodies, with one law of contact.
+        options.contact->tool = with_defaults(options.contact->tool, *bodies.front().scene);
+      }
+      for (const SpaceBody& body : bodies) {
+        const BodySolver& solver = solver_of(body.number);
+        PrecomputeOptions of_body = options;
+        of_body.active_nodes =
+            asked[static_cast<std::size_t>(body.number - kFirstBody)].active_nodes;
+        std::vector<PlannedSpace> planned =
+            plan_spaces(body, of_body, *solver_of(body.number).tools);
+        require_few_enough(of_body, planned);
+        if (communicator.rank() == 0 && options.expects) {
+          const SolveCost cost =
+              measure_solve_cost(*body.scene, solver.name, options.equilibrium.threads);
+          options.expects(estimate_exploration(of_body, planned, cost, communicator.size()));
+        }
+        spaces.insert(spaces.end(), std::make_move_iterator(planned.begin()),
+                      std::make_move_iterator(planned.end()));
+      }
     });
   });
+}
+
+void ExplorationSession::Impl::open_record() {
   std::vector<ToolSpaceSetup> setups;
   for (const PlannedSpace& space : spaces) setups.push_back(space.setup);
   record = options.file.empty()
-               ? make_memory_record(*scene, setups, communicator)
-               : make_file_record(options.file, *scene, setups, options.equilibrium.tolerance,
+               ? make_memory_record(bodies, setups, communicator)
+               : make_file_record(options.file, bodies, setups, options.equilibrium.tolerance,
                                   options.keep, options.touch_bound, communicator);
   damaged = record->damaged();
-  if (take_chunk) {
-    auto chunked = std::make_unique<ChunkRecord>(std::move(record), *scene, *tools, setups,
-                                                 options.touch_bound, communicator);
-    chunks = chunked.get();
-    record = std::move(chunked);
-  }
-  engine.emplace(spaces, *state_solver, *record, communicator.network(), monitor, report);
-  if (options.contact && options.tolerance > 0) {
-    rounds.emplace(spaces.front(), *tools->clearance(setups.front().interaction),
-                   options.contact->shell.begin_at);
-  }
-  report.exploration_seconds = seconds_since(begin);
+  if (!take_chunk) return;
+  auto chunked = std::make_unique<ChunkRecord>(
+      std::move(record), bodies,
+      [this](BodyId body) -> InteractionFactory& { return *solver_of(body).tools; }, setups,
+      options.touch_bound, communicator);
+  chunks = chunked.get();
+  record = std::move(chunked);
 }
 
 PrecomputeResult ExplorationSession::Impl::result_of(TouchSpace space,
                                                      SteadyClock::time_point begin) {
   report.finishing_seconds += seconds_since(begin);
-  const auto held = tools->make(spaces.front().setup.interaction)->prescribed_points();
-  report.num_unknowns = solver->assembly().pattern().size - 3 * static_cast<Index>(held.size());
-  report.num_cells = scene->mesh.num_cells();
-  report.work = solver->work();
-  return {std::move(space), scene->settled, report, std::exchange(damaged, {})};
+  report.num_unknowns = 0;
+  report.num_cells = 0;
+  report.work = {};
+  for (const SpaceBody& body : bodies) {
+    const BodySolver& solver = solver_of(body.number);
+    report.num_unknowns += solver.equilibria->assembly().pattern().size;
+    report.num_cells += body.mesh().num_cells();
+    report.work += solver.equilibria->work();
+  }
+  const ToolSpaceSetup& first = spaces.front().setup;
+  const auto held = solver_of(first.body).tools->make(first.interaction)->prescribed_points();
+  report.num_unknowns -= 3 * static_cast<Index>(held.size());
+  return {std::move(space), bodies, report, std::exchange(damaged, {})};
 }
 
-ExplorationSession::ExplorationSession(std::shared_ptr<const Scene> scene,
+ExplorationSession::ExplorationSession(const std::vector<BodyOfRun>& bodies,
                                        const PrecomputeOptions& options, Communicator& communicator,
                                        const Progress& progress, const MakeSolver& make_solver,
                                        TakeChunk take_chunk)
-    : impl_(std::make_unique<Impl>(std::move(scene), options, communicator, progress, make_solver,
+    : impl_(std::make_unique<Impl>(bodies, options, communicator, progress, make_solver,
                                    std::move(take_chunk))) {}
 
 ExplorationSession::~ExplorationSession() = default;
@@ -158,6 +231,14 @@ void ExplorationSession::Impl::give_chunks() {
       if (communicator.rank() == 0) take_chunk(*chunk);
     });
   }
+}
+
+bool ExplorationSession::Impl::plan_rounds() {
+  bool goes_on = false;
+  for (ShellRounds& of_space : rounds) {
+    if (of_space.plan(*engine, communicator, report)) goes_on = true;
+  }
+  return goes_on;
 }
 
 ExplorationSession::State ExplorationSession::run(const Until& until) {
@@ -181,8 +262,7 @@ ExplorationSession::State ExplorationSession::run(const Until& until) {
       // The run may have been paused within its last transition.
       if (!is_done && any(session.communicator, session.engine->has_work())) return State::paused;
       if (any(session.communicator, session.engine->has_withdrawn())) return State::withdrawn;
-    } while (session.rounds &&
-             session.rounds->plan(*session.engine, session.communicator, session.report));
+    } while (session.plan_rounds());
     return State::complete;
   };
   // A session that throws is over: what its chunks have not given is in its record.

@@ -20,11 +20,18 @@
 
 namespace palpate {
 
+/// A body of a run. All bodies of a run are of one organ.
+struct BodyOfRun {
+  std::shared_ptr<const Scene> scene;
+  /// See PrecomputeOptions::active_nodes, which are those of a run of one body.
+  std::vector<Index> active_nodes;
+};
+
 struct PrecomputeResult {
   /// The space on rank 0; empty elsewhere.
   TouchSpace space;
-  /// The equilibrium of the body under its load, see Scene::settled.
-  SettledBody settled;
+  /// The bodies of the run, at rest under their loads.
+  std::vector<SpaceBody> bodies;
   /// The report is equal on every rank.
   PrecomputeReport report;
   /// On rank 0: damaged parts of the file, which were removed when the run went on from it, see
@@ -37,16 +44,19 @@ using TakeChunk = std::function<void(const SpaceChunk&)>;
 
 class ExplorationSession {
  public:
-  using MakeSolver = std::function<std::unique_ptr<LinearSolver>()>;
+  using MakeSolver = std::function<std::unique_ptr<LinearSolver>(const Scene& scene)>;
 
   /// Opens the record, and plans the tool spaces. Call begin_exploration() instead, which checks
   /// the options.
+  /// @param bodies At least one; a tool presses all of them. If there is a file that has some of
+  ///   them already, they are in the order of the file.
   /// @param communicator The ranks that lead a solve. It must outlive the session.
-  /// @param make_solver Makes the solver of this rank; null: a solver without factorisation.
+  /// @param make_solver Makes the solver of a body on this rank; null: a solver without
+  ///   factorisation.
   /// @param take_chunk The same on all ranks whether it is empty: then no chunks are made.
   /// @throws InputError as precompute() does.
   /// @note Collective
-  ExplorationSession(std::shared_ptr<const Scene> scene, const PrecomputeOptions& options,
+  ExplorationSession(const std::vector<BodyOfRun>& bodies, const PrecomputeOptions& options,
                      Communicator& communicator, const Progress& progress,
                      const MakeSolver& make_solver, TakeChunk take_chunk = {});
   ~ExplorationSession();

@@ -59,11 +59,12 @@ double usual_spacing(const ToolClearance& clearance, double width) {
 
 }  // namespace
 
-std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions& options) {
+std::vector<PlannedSpace> plan_grids(const SpaceBody& of, const PrecomputeOptions& options) {
+  const Body& body = of.scene->body;
   std::vector<Index> nodes = options.active_nodes;
   if (nodes.empty()) {
-    for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-      if (scene.touchable[p] != 0 && scene.fixed[p] == 0) nodes.push_back(p);
+    for (Index p = 0; p < body.mesh.num_points(); ++p) {
+      if (body.touchable[p] != 0 && body.fixed[p] == 0) nodes.push_back(p);
     }
     if (nodes.empty()) {
       throw InputError(
@@ -73,15 +74,16 @@ std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions
   }
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  check_resolved(scene.mesh, "The half-width (HalfWidth)", options.half_width);
-  const BondedPatches patches(scene, options.tip_radius);
+  check_resolved(body.mesh, "The half-width (HalfWidth)", options.half_width);
+  const BondedPatches patches(body, options.tip_radius);
   std::vector<PlannedSpace> spaces;
-  const PieceSupport support(scene.mesh, holding_points(scene));
+  const PieceSupport support(body.mesh, holding_points(body));
   for (const Index node : nodes) {
     support.require_held(patches.around(node).points());
     ToolSpaceSetup setup;
     setup.id = node;
-    setup.interaction = bonded_patch_spec(scene, node, options.tip_radius);
+    setup.body = of.number;
+    setup.interaction = bonded_patch_spec(body.mesh, of.at_rest, node, options.tip_radius);
     setup.grid.half_width = options.half_width;
     setup.grid.resolution = options.resolution;
     setup.policy = policy_of(options);
@@ -91,9 +93,10 @@ std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions
   return spaces;
 }
 
-std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions& options,
+std::vector<PlannedSpace> plan_shell(const SpaceBody& of, const PrecomputeOptions& options,
                                      InteractionFactory& tools) {
-  PieceSupport(scene.mesh, holding_points(scene)).require_held({});
+  const Body& body = of.scene->body;
+  PieceSupport(body.mesh, holding_points(body)).require_held({});
   const ContactOptions& contact = *options.contact;
   if (contact.tool.shape < ToolShape::sphere || contact.tool.shape > ToolShape::surface) {
     throw InputError("A state space cannot hold " + name_of(contact.tool) +
@@ -105,11 +108,12 @@ std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions
         "the motion Translated.");
   }
   if (contact.shell.depth > 0) {
-    check_resolved(scene.mesh, "The depth (Depth)", contact.shell.depth);
+    check_resolved(body.mesh, "The depth (Depth)", contact.shell.depth);
   }
   ToolSpaceSetup setup;
   setup.id = kContactToolSpace;
-  setup.interaction = rigid_contact_spec(with_defaults(contact.tool, scene));
+  setup.body = of.number;
+  setup.interaction = rigid_contact_spec(with_defaults(contact.tool, *of.scene));
   const std::shared_ptr<const ToolClearance> clearance = tools.clearance(setup.interaction);
   const double width = setup.interaction.touching_radius();
   const double spacing = contact.spacing > 0 ? contact.spacing : usual_spacing(*clearance, width);
@@ -126,13 +130,13 @@ std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions
   setup.policy.tolerance_is_relative = options.tolerance_is_relative;
   setup.policy.depth = contact.shell.depth;
   auto graph = std::make_shared<const StartGraph>(
-      setup.id, shell_targets(*clearance, setup.grid, scene.touchable, contact.shell));
+      setup.key(), shell_targets(*clearance, setup.grid, body.touchable, contact.shell));
   return {{setup, std::move(graph)}};
 }
 
-std::vector<PlannedSpace> plan_spaces(const Scene& scene, const PrecomputeOptions& options,
+std::vector<PlannedSpace> plan_spaces(const SpaceBody& body, const PrecomputeOptions& options,
                                       InteractionFactory& tools) {
-  return options.contact ? plan_shell(scene, options, tools) : plan_grids(scene, options);
+  return options.contact ? plan_shell(body, options, tools) : plan_grids(body, options);
 }
 
 RigidTool with_earlier_layer(RigidTool tool, const Scene& scene) {

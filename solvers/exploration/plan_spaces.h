@@ -8,23 +8,24 @@
 #include "exploration/exploration_plan.h"
 #include "exploration/precompute_options.h"
 #include "interaction/interaction_spec.h"
+#include "state_space/space_body.h"
 
 namespace palpate {
 
-/// The space of the rigid tool if there is one, else those of the active nodes.
+/// The space of the rigid tool on a body if there is one, else those of the active nodes.
 /// @throws InputError as plan_shell() and plan_grids() do.
-[[nodiscard]] std::vector<PlannedSpace> plan_spaces(const Scene& scene,
+[[nodiscard]] std::vector<PlannedSpace> plan_spaces(const SpaceBody& body,
                                                     const PrecomputeOptions& options,
                                                     InteractionFactory& tools);
 
 /// A space for each active node.
 /// @throws InputError the tool cannot be placed at a node.
-[[nodiscard]] std::vector<PlannedSpace> plan_grids(const Scene& scene,
+[[nodiscard]] std::vector<PlannedSpace> plan_grids(const SpaceBody& body,
                                                    const PrecomputeOptions& options);
 
 /// The space of the rigid tool. Its plan is a StartGraph.
 /// @throws InputError the tool has no valid shape, or there is nothing to press.
-[[nodiscard]] std::vector<PlannedSpace> plan_shell(const Scene& scene,
+[[nodiscard]] std::vector<PlannedSpace> plan_shell(const SpaceBody& body,
                                                    const PrecomputeOptions& options,
                                                    InteractionFactory& tools);
 

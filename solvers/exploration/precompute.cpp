@@ -46,29 +46,29 @@ void validate_ranks_per_solve(const PrecomputeOptions& options, int num_ranks) {
   }
 }
 
-ExplorationSession::MakeSolver solver_maker(const Scene& scene, const PrecomputeOptions& options) {
-  return [&scene, name = options.linear_solver, threads = options.equilibrium.threads] {
+ExplorationSession::MakeSolver solver_maker(const PrecomputeOptions& options) {
+  return [name = options.linear_solver, threads = options.equilibrium.threads](const Scene& scene) {
     return name.empty() ? choose_tangent_solver(scene, threads) : make_tangent_solver(name);
   };
 }
 
 /// Explores, on the ranks that lead a solve.
-PrecomputeResult explore(std::shared_ptr<const Scene> scene, const PrecomputeOptions& options,
+PrecomputeResult explore(const std::vector<BodyOfRun>& bodies, const PrecomputeOptions& options,
                          Communicator& communicator, const Progress& progress,
                          const ExplorationSession::MakeSolver& make_solver) {
-  ExplorationSession session(std::move(scene), options, communicator, progress, make_solver);
+  ExplorationSession session(bodies, options, communicator, progress, make_solver);
   session.run();
   return session.finish();
 }
 
 /// Explores, on all ranks.
 /// @note Collective
-PrecomputeResult explore_on_ranks(const std::shared_ptr<const Scene>& scene,
+PrecomputeResult explore_on_ranks(const std::vector<BodyOfRun>& bodies,
                                   const PrecomputeOptions& options, Communicator& communicator,
                                   const Progress& progress) {
   PrecomputeResult result;
   if (options.ranks_per_solve == 1) {
-    result = explore(scene, options, communicator, progress, solver_maker(*scene, options));
+    result = explore(bodies, options, communicator, progress, solver_maker(options));
   } else {
     const Groups groups(communicator, options.ranks_per_solve);
     const void* group = groups.own->mpi_comm();
@@ -78,8 +78,8 @@ PrecomputeResult explore_on_ranks(const std::shared_ptr<const Scene>& scene,
         // Make the solver first: the other ranks already serve it, and if anything fails its
         // destructor releases them.
         auto solver = make_group_solver(group);
-        result = explore(scene, options, *groups.leaders, progress,
-                         [&solver] { return std::move(solver); });
+        result = explore(bodies, options, *groups.leaders, progress,
+                         [&solver](const Scene& /*scene*/) { return std::move(solver); });
       } else {
         serve_group_solver(group);
       }
@@ -88,14 +88,18 @@ PrecomputeResult explore_on_ranks(const std::shared_ptr<const Scene>& scene,
   return result;
 }
 
-bool has_both(const PrecomputeOptions& options) {
-  return options.contact && !options.active_nodes.empty();
+bool has_both(const std::vector<BodyOfRun>& bodies, const PrecomputeOptions& options) {
+  return options.contact && std::any_of(bodies.begin(), bodies.end(), [](const BodyOfRun& body) {
+           return !body.active_nodes.empty();
+         });
 }
 
-PrecomputeOptions without_nodes(const PrecomputeOptions& options) {
-  PrecomputeOptions result = options;
-  if (options.contact) result.active_nodes.clear();
-  return result;
+/// The bodies, without nodes if a rigid tool goes first.
+std::vector<BodyOfRun> without_nodes(std::vector<BodyOfRun> bodies,
+                                     const PrecomputeOptions& options) {
+  if (!options.contact) return bodies;
+  for (BodyOfRun& body : bodies) body.active_nodes.clear();
+  return bodies;
 }
 
 PrecomputeOptions without_contact(const PrecomputeOptions& options) {
@@ -114,23 +118,44 @@ void append(PrecomputeResult& all, PrecomputeResult newer, bool in_memory) {
                 std::make_move_iterator(first.end()));
   };
   put_before(newer.damaged, all.damaged);
-  if (in_memory) put_before(newer.space.tool_spaces, all.space.tool_spaces);
+  if (in_memory) {
+    std::vector<TouchToolSpace>& spaces = newer.space.tool_spaces;
+    put_before(spaces, all.space.tool_spaces);
+    std::sort(spaces.begin(), spaces.end(), [](const TouchToolSpace& a, const TouchToolSpace& b) {
+      return a.setup.key() < b.setup.key();
+    });
+  }
   all = std::move(newer);
+}
+
+/// Checks the active nodes of all bodies. The meshes stand for the bodies at rest.
+void check_nodes(const std::vector<BodyOfRun>& bodies, const PrecomputeOptions& options) {
+  for (const BodyOfRun& body : bodies) {
+    if (body.active_nodes.empty()) continue;
+    PrecomputeOptions of_body = options;
+    of_body.active_nodes = body.active_nodes;
+    (void)plan_grids({kFirstBody, body.scene, {}, {}}, of_body);
+  }
 }
 
 /// Checks the options, and replaces those that depend on the ranks and on the file.
 /// @note Collective
-PrecomputeOptions resolved(const Scene& scene, const PrecomputeOptions& asked,
+PrecomputeOptions resolved(const std::vector<BodyOfRun>& bodies, const PrecomputeOptions& asked,
                            Communicator& communicator) {
   agree(communicator, [&] {
     validate(asked);
     validate_ranks_per_solve(asked, communicator.size());
+    if (asked.ranks_per_solve > 1 && bodies.size() > 1) {
+      throw InputError("The ranks per solve are " + std::to_string(asked.ranks_per_solve) +
+                       "; for a space of several bodies there can be 1 alone.");
+    }
     // Check the active nodes now, and not after the first exploration.
-    if (has_both(asked)) (void)plan_grids(scene, asked);
+    if (has_both(bodies, asked)) check_nodes(bodies, asked);
   });
   PrecomputeOptions options = asked;
   options.equilibrium.threads = num_threads(communicator, asked.equilibrium.threads);
   if (asked.contact) {
+    const Scene& scene = *bodies.front().scene;
     bool is_earlier = false;
     agree(communicator,
           [&] { is_earlier = communicator.rank() == 0 && has_earlier_layer(scene, asked); });
@@ -143,46 +168,50 @@ PrecomputeOptions resolved(const Scene& scene, const PrecomputeOptions& asked,
 
 }  // namespace
 
-std::unique_ptr<ExplorationSession> begin_exploration(std::shared_ptr<const Scene> scene,
+std::unique_ptr<ExplorationSession> begin_exploration(std::vector<BodyOfRun> bodies,
                                                       const PrecomputeOptions& asked,
                                                       Communicator& communicator,
                                                       const Progress& progress,
                                                       TakeChunk take_chunk) {
-  const PrecomputeOptions options = resolved(*scene, asked, communicator);
-  assert(!has_both(options) && options.ranks_per_solve == 1);
+  const PrecomputeOptions options = resolved(bodies, asked, communicator);
+  assert(!has_both(bodies, options) && options.ranks_per_solve == 1);
   std::unique_ptr<ExplorationSession> session;
   agree(communicator, [&] {
-    const auto make_solver = solver_maker(*scene, options);
-    session = std::make_unique<ExplorationSession>(std::move(scene), options, communicator,
-                                                   progress, make_solver, std::move(take_chunk));
+    session = std::make_unique<ExplorationSession>(bodies, options, communicator, progress,
+                                                   solver_maker(options), std::move(take_chunk));
   });
   return session;
 }
 
-PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& asked,
+PrecomputeResult precompute(std::vector<BodyOfRun> bodies, const PrecomputeOptions& asked,
                             Communicator& communicator, const Progress& progress) {
   const SteadyClock::time_point start = SteadyClock::now();
-  const PrecomputeOptions options = resolved(scene, asked, communicator);
-  // The caller's scene outlives this call.
-  const std::shared_ptr<const Scene> shared(std::shared_ptr<const void>(), &scene);
+  const PrecomputeOptions options = resolved(bodies, asked, communicator);
   PrecomputeResult result;
   // A rank may run out of memory anywhere.
   agree(communicator, [&] {
-    result = explore_on_ranks(shared, without_nodes(options), communicator, progress);
-    if (has_both(options) && any(communicator, result.report.complete)) {
-      append(result, explore_on_ranks(shared, without_contact(options), communicator, progress),
+    result = explore_on_ranks(without_nodes(bodies, options), options, communicator, progress);
+    if (has_both(bodies, options) && any(communicator, result.report.complete)) {
+      append(result, explore_on_ranks(bodies, without_contact(options), communicator, progress),
              options.file.empty());
     }
     combine(result.report, communicator);
   });
   PrecomputeReport& report = result.report;
   report.num_ranks = communicator.size();
-  report.num_cells = scene.mesh.num_cells();
+  report.num_cells = 0;
+  for (const BodyOfRun& body : bodies) report.num_cells += body.scene->body.mesh.num_cells();
   if (report.complete && progress) {
     const std::int64_t found = report.num_solved + report.num_reused;
     (void)progress({found, found, report.num_solved, seconds_since(start), 0});
   }
   return result;
+}
+
+PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
+                            Communicator& communicator, const Progress& progress) {
+  return precompute({{std::make_shared<const Scene>(scene), options.active_nodes}}, options,
+                    communicator, progress);
 }
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "exploration/exploration_session.h"
 #include "exploration/precompute_options.h"
@@ -19,15 +20,19 @@ namespace palpate {
 /// @throws InputError as precompute() does.
 /// @note Collective
 [[nodiscard]] std::unique_ptr<ExplorationSession> begin_exploration(
-    std::shared_ptr<const Scene> scene, const PrecomputeOptions& options,
-    Communicator& communicator, const Progress& progress, TakeChunk take_chunk = {});
+    std::vector<BodyOfRun> bodies, const PrecomputeOptions& options, Communicator& communicator,
+    const Progress& progress, TakeChunk take_chunk = {});
 
-/// Computes the space of the rigid tool and of the active nodes that the options name.
-/// @param scene The same on every rank.
+/// Computes the space of the rigid tool and of the active nodes that are named.
+/// @param bodies The same on every rank, see ExplorationSession.
 /// @throws InputError an active node at which the tip cannot be placed, see BondedPatches::around;
-///   an option out of its range; more ranks for a solve than there are; a file of another scene, or
-///   of a space with other settings, see StateSpaceFile::add_tool_space.
+///   an option out of its range; more ranks for a solve than there are; bodies of several organs; a
+///   file of another scene, or of a space with other settings, see StateSpaceFile::add_tool_space.
 /// @note Collective
+[[nodiscard]] PrecomputeResult precompute(std::vector<BodyOfRun> bodies,
+                                          const PrecomputeOptions& options,
+                                          Communicator& communicator, const Progress& progress);
+/// Does the same for one body, whose scene it copies.
 [[nodiscard]] PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
                                           Communicator& communicator, const Progress& progress);
 

@@ -37,8 +37,8 @@ struct PrecomputeOptions {
   /// first, then of the active nodes. Empty: the cost is not measured.
   std::function<void(const ExplorationEstimate&)> expects;
 
-  /// The points of the mesh that are touched. If it is empty, none with a rigid tool, else every
-  /// touchable point of the scene.
+  /// In a run of one body, the points of its mesh that are touched. If it is empty, none with a
+  /// rigid tool, else every touchable point.
   std::vector<Index> active_nodes;
   /// The surface within this distance of a node moves with it, see interaction/bonded_patch.h, m;
   /// 0: the node alone.

@@ -36,17 +36,32 @@ void RankFiles::open(const std::function<void(StateSpaceFile&)>& prepare) {
           "or move the other away, or give another file name.");
     }
     const bool was_there = fs::exists(path_);
-    own_ = StateSpaceFile::open_or_create(path_, scene_, solver_tolerance_);
+    const SpaceBody& first = bodies_.front();
+    own_ = StateSpaceFile::open_or_create(path_, *first.scene, solver_tolerance_, first.at_rest);
+    add_bodies();
     if (was_there) damaged_ = own_->remove_damaged();
     take_over();
     prepare(*own_);
   });
   agree(communicator_, [&] {
     if (communicator_.rank() == 0) return;
-    own_ = StateSpaceFile::create(path_.string() + ".rank" + std::to_string(communicator_.rank()),
-                                  scene_, solver_tolerance_);
+    own_ =
+        StateSpaceFile::create(path_.string() + ".rank" + std::to_string(communicator_.rank()),
+                               *bodies_.front().scene, solver_tolerance_, bodies_.front().at_rest);
+    add_bodies();
     prepare(*own_);
   });
+}
+
+void RankFiles::add_bodies() {
+  for (const SpaceBody& body : bodies_) {
+    const std::optional<BodyId> there = own_->find_body(body.hash);
+    const BodyId number = there ? *there : own_->add_body(*body.scene, body.at_rest);
+    if (number == body.number) continue;
+    throw InputError(quoted(path_) + " holds body " + std::to_string(body.number) +
+                     " of this run as its body " + std::to_string(number) +
+                     ". Give the bodies of the file in their order, or another file name.");
+  }
 }
 
 void RankFiles::merge() {

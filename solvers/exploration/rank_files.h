@@ -19,16 +19,19 @@ namespace palpate {
 class RankFiles {
  public:
   /// The files are not touched before open().
-  RankFiles(std::filesystem::path path, const Scene& scene, double solver_tolerance,
-            Communicator& communicator)
+  /// @param bodies The bodies of the run. Those of the file must be the same in the same order, as
+  ///   far as both go; then a body has one number in the run and in all files. They must outlive
+  ///   this object.
+  RankFiles(std::filesystem::path path, const std::vector<SpaceBody>& bodies,
+            double solver_tolerance, Communicator& communicator)
       : path_(std::move(path)),
-        scene_(scene),
+        bodies_(bodies),
         solver_tolerance_(solver_tolerance),
         communicator_(communicator) {}
 
   /// Opens or creates the files of all ranks.
   /// @param prepare Called on each rank with the file of that rank.
-  /// @throws InputError a file of another scene or tolerance.
+  /// @throws InputError a file of another scene or tolerance, or with the bodies in another order.
   /// @note Collective
   void open(const std::function<void(StateSpaceFile&)>& prepare);
 
@@ -55,9 +58,11 @@ class RankFiles {
   [[nodiscard]] std::vector<std::filesystem::path> left_by_ranks(
       const std::string& ending = "") const;
   void take_over();
+  /// Adds the bodies of the run to the file of this rank.
+  void add_bodies();
 
   std::filesystem::path path_;
-  const Scene& scene_;
+  const std::vector<SpaceBody>& bodies_;
   double solver_tolerance_;
   Communicator& communicator_;
   std::optional<StateSpaceFile> own_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -37,9 +38,9 @@ namespace fs = std::filesystem;
 
 /// Results of the ranks, without fields.
 struct Parts {
-  std::vector<std::pair<ToolSpaceId, ConfigurationSummary>> configurations;
-  std::vector<std::pair<ToolSpaceId, LevelTransition>> transitions;
-  std::vector<std::pair<ToolSpaceId, IntermediateState>> intermediate_states;
+  std::vector<std::pair<ToolSpaceKey, ConfigurationSummary>> configurations;
+  std::vector<std::pair<ToolSpaceKey, LevelTransition>> transitions;
+  std::vector<std::pair<ToolSpaceKey, IntermediateState>> intermediate_states;
 
   /// Moves the results of all ranks to rank 0.
   /// @note Collective
@@ -50,15 +51,16 @@ struct Parts {
   }
 };
 
-/// The spaces of active nodes are reduced to modes of the surface, region by region on all ranks.
-ReductionTask task_of(const Scene& scene, const std::vector<ToolSpaceSetup>& setups, Keep keep,
+/// The spaces of active nodes of a body are reduced to modes of its surface, region by region on
+/// all ranks.
+ReductionTask task_of(const SpaceBody& body, const std::vector<ToolSpaceSetup>& setups, Keep keep,
                       double bound) {
   ReductionTask task;
   task.keep = keep;
   task.bound = bound;
-  task.points = kept_points(scene.mesh, make_surface(scene.mesh), keep);
+  task.points = kept_points(body.mesh(), make_surface(body.mesh()), keep);
   for (const ToolSpaceSetup& setup : setups) {
-    if (setup.presses()) continue;
+    if (setup.presses() || setup.body != body.number) continue;
     for (ReductionRegion& region : plan_regions(setup, {}, {})) {
       task.regions.push_back(std::move(region));
     }
@@ -67,9 +69,18 @@ ReductionTask task_of(const Scene& scene, const std::vector<ToolSpaceSetup>& set
 }
 
 /// A configuration whose fields count from the body at rest, as they are reduced.
-Configuration from_rest(const Scene& scene, Configuration configuration) {
-  count_from_rest(scene.settled, configuration);
+Configuration from_rest(const SpaceBody& body, Configuration configuration) {
+  count_from_rest(body.at_rest, configuration);
   return configuration;
+}
+
+/// The states of one body.
+StateHolders holders_of(const SpaceBody& body, const StateHolders& all) {
+  StateHolders holders;
+  for (const auto& [key, holder] : all) {
+    if (key.tool_space.body == body.number) holders.emplace(key, holder);
+  }
+  return holders;
 }
 
 /// Makes the touch space from the results of all ranks.
@@ -77,30 +88,39 @@ Configuration from_rest(const Scene& scene, Configuration configuration) {
 /// @param whole The states whose fields this rank has.
 /// @returns The touch space on rank 0; an empty one elsewhere.
 /// @note Collective
-TouchSpace assemble(const Scene& scene, std::vector<ToolSpaceSetup> setups, Parts parts,
-                    std::vector<StateKey> whole, std::function<Configuration(const StateKey&)> load,
-                    double bound, Communicator& communicator) {
+TouchSpace assemble(const std::vector<SpaceBody>& bodies, std::vector<ToolSpaceSetup> setups,
+                    Parts parts, const std::vector<StateKey>& whole,
+                    const std::function<Configuration(const StateKey&)>& load, double bound,
+                    Communicator& communicator) {
   TouchSpace space;
-  ReductionTask task;
+  std::optional<ShownSurface> shown;
   agree(communicator, [&] {
     std::sort(setups.begin(), setups.end(),
-              [](const ToolSpaceSetup& a, const ToolSpaceSetup& b) { return a.id < b.id; });
-    task = task_of(scene, setups, Keep::touch, bound);
-    task.load = std::move(load);
-    if (communicator.rank() == 0) space = make_empty_touch_space(scene, hash(scene));
+              [](const ToolSpaceSetup& a, const ToolSpaceSetup& b) { return a.key() < b.key(); });
+    if (communicator.rank() != 0) return;
+    shown.emplace(bodies);
+    space = make_empty_touch_space(bodies);
   });
-  task.holders = find_holders(whole, communicator);
-  std::map<ToolSpaceId, FieldBasis> bases;
+  const StateHolders holders = find_holders(whole, communicator);
+  std::map<ToolSpaceKey, FieldBasis> bases;
   std::map<StateKey, ReducedFields> fields;
-  reduce_on_ranks(task, communicator,
-                  [&](const ReductionRegion& region, const std::vector<StateKey>& keys,
-                      PackedReduction reduction) {
-                    bases[region.tool_space] =
-                        *unpack(reduction.basis, static_cast<std::int64_t>(task.points.size()));
-                    for (std::size_t i = 0; i < keys.size(); ++i) {
-                      fields.emplace(keys[i], std::move(reduction.fields[i]));
-                    }
-                  });
+  for (const SpaceBody& body : bodies) {
+    ReductionTask task;
+    agree(communicator, [&] {
+      task = task_of(body, setups, Keep::touch, bound);
+      task.load = load;
+      task.holders = holders_of(body, holders);
+    });
+    reduce_on_ranks(task, communicator,
+                    [&](const ReductionRegion& region, const std::vector<StateKey>& keys,
+                        PackedReduction reduction) {
+                      bases[region.tool_space] =
+                          *unpack(reduction.basis, static_cast<std::int64_t>(task.points.size()));
+                      for (std::size_t i = 0; i < keys.size(); ++i) {
+                        fields.emplace(keys[i], std::move(reduction.fields[i]));
+                      }
+                    });
+  }
   parts.gather_all(communicator);
   agree(communicator, [&] {
     if (communicator.rank() != 0) return;
@@ -125,19 +145,20 @@ TouchSpace assemble(const Scene& scene, std::vector<ToolSpaceSetup> setups, Part
     for (const ToolSpaceSetup& setup : setups) {
       std::vector<ConfigurationSummary> configurations;
       std::vector<const ReducedFields*> of_configurations;
-      for (auto c = found.lower_bound({setup.id, {INT32_MIN, INT32_MIN, INT32_MIN}, INT32_MIN});
-           c != found.end() && c->first.tool_space == setup.id; ++c) {
+      for (auto c = found.lower_bound({setup.key(), {INT32_MIN, INT32_MIN, INT32_MIN}, INT32_MIN});
+           c != found.end() && c->first.tool_space == setup.key(); ++c) {
         configurations.push_back(c->second);
         const auto reduced = fields.find(c->first);
         of_configurations.push_back(reduced == fields.end() ? nullptr : &reduced->second);
       }
       std::vector<IntermediateState> states;
       for (const auto& [id, state] : parts.intermediate_states) {
-        if (id == setup.id) states.push_back(state);
+        if (id == setup.key()) states.push_back(state);
       }
-      const auto basis = bases.find(setup.id);
-      add_tool_space(scene, setup, configurations, std::move(states),
-                     basis == bases.end() ? nullptr : &basis->second, of_configurations, space);
+      const auto basis = bases.find(setup.key());
+      add_tool_space(find_body(bodies, setup.body), *shown, setup, configurations,
+                     std::move(states), basis == bases.end() ? nullptr : &basis->second,
+                     of_configurations, space);
     }
   });
   return space;
@@ -145,14 +166,14 @@ TouchSpace assemble(const Scene& scene, std::vector<ToolSpaceSetup> setups, Part
 
 class MemoryRecord final : public Record {
  public:
-  MemoryRecord(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
+  MemoryRecord(const std::vector<SpaceBody>& bodies, const std::vector<ToolSpaceSetup>& setups,
                Communicator& communicator)
-      : scene_(scene), setups_(setups), communicator_(communicator) {}
+      : bodies_(bodies), setups_(setups), communicator_(communicator) {}
 
-  [[nodiscard]] Known known(ToolSpaceId /*tool_space*/) const override { return {}; }
+  [[nodiscard]] Known known(ToolSpaceKey /*tool_space*/) const override { return {}; }
   [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
 
-  void keep(ToolSpaceId tool_space, const Configuration& found,
+  void keep(ToolSpaceKey tool_space, const Configuration& found,
             const std::vector<IntermediateState>& way) override {
     found_.emplace(key_of(tool_space, found), found);
     for (const IntermediateState& state : way) {
@@ -160,11 +181,11 @@ class MemoryRecord final : public Record {
     }
   }
 
-  void keep(ToolSpaceId tool_space, const LevelTransition& transition) override {
+  void keep(ToolSpaceKey tool_space, const LevelTransition& transition) override {
     transitions_.emplace_back(tool_space, transition);
   }
 
-  void settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate,
+  void settle(ToolSpaceKey tool_space, const ConfigurationSummary& candidate,
               std::int32_t level) override {
     auto settled = found_.extract(key_of(tool_space, candidate));
     if (level < 0) return;
@@ -173,7 +194,7 @@ class MemoryRecord final : public Record {
     found_.insert(std::move(settled));
   }
 
-  [[nodiscard]] Configuration load(ToolSpaceId tool_space,
+  [[nodiscard]] Configuration load(ToolSpaceKey tool_space,
                                    const ConfigurationSummary& summary) const override {
     return found_.at(key_of(tool_space, summary));
   }
@@ -196,35 +217,38 @@ class MemoryRecord final : public Record {
     parts.transitions = transitions_;
     parts.intermediate_states = intermediate_states_;
     return assemble(
-        scene_, setups_, std::move(parts), whole,
-        [this](const StateKey& key) { return from_rest(scene_, found_.at(key)); }, bound,
-        communicator_);
+        bodies_, setups_, std::move(parts), whole,
+        [this](const StateKey& key) {
+          return from_rest(find_body(bodies_, key.tool_space.body), found_.at(key));
+        },
+        bound, communicator_);
   }
 
  private:
-  const Scene& scene_;
+  const std::vector<SpaceBody>& bodies_;
   std::vector<ToolSpaceSetup> setups_;
   Communicator& communicator_;
   std::map<StateKey, Configuration> found_;
-  std::vector<std::pair<ToolSpaceId, LevelTransition>> transitions_;
-  std::vector<std::pair<ToolSpaceId, IntermediateState>> intermediate_states_;
+  std::vector<std::pair<ToolSpaceKey, LevelTransition>> transitions_;
+  std::vector<std::pair<ToolSpaceKey, IntermediateState>> intermediate_states_;
 };
 
 class FileRecord final : public Record {
  public:
-  FileRecord(const fs::path& path, const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
-             double solver_tolerance, Keep keep, double bound, Communicator& communicator)
+  FileRecord(const fs::path& path, const std::vector<SpaceBody>& bodies,
+             const std::vector<ToolSpaceSetup>& setups, double solver_tolerance, Keep keep,
+             double bound, Communicator& communicator)
       : path_(path),
-        scene_(scene),
+        bodies_(bodies),
         setups_(setups),
         keep_(keep),
         bound_(bound),
         communicator_(communicator),
-        files_(path, scene, solver_tolerance, communicator) {
+        files_(path, bodies, solver_tolerance, communicator) {
     open();
   }
 
-  [[nodiscard]] Known known(ToolSpaceId tool_space) const override {
+  [[nodiscard]] Known known(ToolSpaceKey tool_space) const override {
     Known all;
     if (communicator_.rank() != 0) return all;
     const StateSpaceFile& file = files_.own();
@@ -237,28 +261,28 @@ class FileRecord final : public Record {
   }
 
   [[nodiscard]] std::vector<IntermediateState> known_intermediate_states(
-      ToolSpaceId tool_space) const override {
+      ToolSpaceKey tool_space) const override {
     if (communicator_.rank() != 0) return {};
     return files_.own().read_intermediate_states(tool_space);
   }
 
   [[nodiscard]] std::vector<std::string> damaged() const override { return files_.damaged(); }
 
-  void keep(ToolSpaceId tool_space, const Configuration& found,
+  void keep(ToolSpaceKey tool_space, const Configuration& found,
             const std::vector<IntermediateState>& way) override {
     files_.own().add(tool_space, found, way);
   }
 
-  void keep(ToolSpaceId tool_space, const LevelTransition& transition) override {
+  void keep(ToolSpaceKey tool_space, const LevelTransition& transition) override {
     files_.own().add(tool_space, transition);
   }
 
-  void settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate,
+  void settle(ToolSpaceKey tool_space, const ConfigurationSummary& candidate,
               std::int32_t level) override {
     files_.own().settle(tool_space, candidate, level);
   }
 
-  [[nodiscard]] Configuration load(ToolSpaceId tool_space,
+  [[nodiscard]] Configuration load(ToolSpaceKey tool_space,
                                    const ConfigurationSummary& summary) const override {
     Configuration configuration{summary, {}, {}, {}, {}};
     if (!files_.own().read_fields(tool_space, configuration)) {
@@ -268,7 +292,7 @@ class FileRecord final : public Record {
     return configuration;
   }
 
-  [[nodiscard]] Keep kept(ToolSpaceId tool_space,
+  [[nodiscard]] Keep kept(ToolSpaceKey tool_space,
                           const ConfigurationSummary& summary) const override {
     return files_.own().keep_of(tool_space, summary);
   }
@@ -282,7 +306,7 @@ class FileRecord final : public Record {
       reduce_into_file(bound);
       files_.discard_others();
     } else {
-      if (!is_reduced_anywhere()) return finish_whole(complete, bound);
+      if (!has_more_than_whole_fields()) return finish_whole(complete, bound);
       files_.merge();
     }
     TouchSpace result;
@@ -302,12 +326,6 @@ class FileRecord final : public Record {
   /// @note Collective
   void open() {
     files_.open([&](StateSpaceFile& file) {
-      // The file was opened for this scene: where it has one body, that is the one.
-      if (file.list_bodies().size() > 1 && file.find_body(hash(scene_)) != kFirstBody) {
-        throw InputError(path_.string() +
-                         " holds this scene as another body of its organ than the first one, and a "
-                         "run computes for the first alone. Give another file name.");
-      }
       const Keep kept = file.bases().keep();
       if (kept < keep_) {
         throw InputError(path_.string() + " keeps less of the displacements (Keep is " +
@@ -324,7 +342,7 @@ class FileRecord final : public Record {
   ///   asked for.
   void require_bound(const StateSpaceFile& file, double bound) const {
     for (const ToolSpaceSetup& setup : setups_) {
-      for (const storage::BasisBox& box : file.bases().list(setup.id)) {
+      for (const storage::BasisBox& box : file.bases().list(setup.key())) {
         if (box.error <= bound * (1 + kRounding)) continue;
         std::ostringstream text;
         text
@@ -339,14 +357,18 @@ class FileRecord final : public Record {
   }
 
   void set_complete() {
-    for (const ToolSpaceSetup& setup : setups_) files_.own().set_complete(setup.id, true);
+    for (const ToolSpaceSetup& setup : setups_) files_.own().set_complete(setup.key(), true);
   }
 
+  /// Whether the file has reduced fields, or bodies that are not of this run.
   /// @note Collective
-  [[nodiscard]] bool is_reduced_anywhere() {
-    bool is_reduced = false;
-    agree(communicator_, [&] { is_reduced = files_.own().bases().keep() < Keep::all; });
-    return any(communicator_, is_reduced);
+  [[nodiscard]] bool has_more_than_whole_fields() {
+    bool has_more = false;
+    agree(communicator_, [&] {
+      const StateSpaceFile& file = files_.own();
+      has_more = file.bases().keep() < Keep::all || file.list_bodies().size() > bodies_.size();
+    });
+    return any(communicator_, has_more);
   }
 
   /// The tool spaces in the file of rank 0, on all ranks.
@@ -368,16 +390,16 @@ class FileRecord final : public Record {
     Parts parts;
     for (const ToolSpaceSetup& setup : setups) {
       const StateSpaceFile& file = files_.own();
-      for (const Configuration& c : file.read_summaries(setup.id)) {
+      for (const Configuration& c : file.read_summaries(setup.key())) {
         ConfigurationSummary summary = c;
         summary.reached = ConfigurationSummary().reached;
-        parts.configurations.emplace_back(setup.id, summary);
+        parts.configurations.emplace_back(setup.key(), summary);
       }
-      for (const LevelTransition& transition : file.read_transitions(setup.id)) {
-        parts.transitions.emplace_back(setup.id, transition);
+      for (const LevelTransition& transition : file.read_transitions(setup.key())) {
+        parts.transitions.emplace_back(setup.key(), transition);
       }
-      for (const IntermediateState& state : file.read_intermediate_states(setup.id)) {
-        parts.intermediate_states.emplace_back(setup.id, state);
+      for (const IntermediateState& state : file.read_intermediate_states(setup.key())) {
+        parts.intermediate_states.emplace_back(setup.key(), state);
       }
     }
     return parts;
@@ -386,7 +408,7 @@ class FileRecord final : public Record {
   [[nodiscard]] std::vector<StateKey> list_whole(const std::vector<ToolSpaceSetup>& setups) const {
     std::vector<StateKey> whole;
     for (const ToolSpaceSetup& setup : setups) {
-      const std::vector<StateKey> of_space = files_.own().list_whole(setup.id);
+      const std::vector<StateKey> of_space = files_.own().list_whole(setup.key());
       whole.insert(whole.end(), of_space.begin(), of_space.end());
     }
     return whole;
@@ -397,7 +419,7 @@ class FileRecord final : public Record {
     ConfigurationSummary summary;
     summary.check_point = key.check_point;
     summary.level = key.level;
-    return from_rest(scene_, load(key.tool_space, summary));
+    return from_rest(find_body(bodies_, key.tool_space.body), load(key.tool_space, summary));
   }
 
   /// Finishes a file that has all fields. The tool spaces of other runs in it are included.
@@ -411,7 +433,7 @@ class FileRecord final : public Record {
       whole = list_whole(setups);
     });
     TouchSpace result = assemble(
-        scene_, setups, std::move(parts), whole, [this](const StateKey& key) { return load(key); },
+        bodies_, setups, std::move(parts), whole, [this](const StateKey& key) { return load(key); },
         bound, communicator_);
     files_.merge();
     agree(communicator_, [&] {
@@ -427,9 +449,7 @@ class FileRecord final : public Record {
   /// Reduces the results of this run into the file of rank 0, in one transaction.
   /// @note Collective
   void reduce_into_file(double bound) {
-    ReductionTask task;
     Parts parts;
-    std::vector<std::vector<storage::BasisBox>> boxes(setups_.size());
     std::vector<StateKey> own;
     agree(communicator_, [&] {
       own = list_whole(setups_);
@@ -437,54 +457,74 @@ class FileRecord final : public Record {
       parts = read_parts(setups_);
     });
     parts.gather_all(communicator_);
-    // The bases that the file already has determine what is kept of the other regions.
-    Packer mine;
-    agree(communicator_, [&] {
-      std::int32_t num_pressures = 0;
-      if (communicator_.rank() == 0) {
-        for (const ToolSpaceSetup& setup : setups_) {
-          const auto of_space = files_.own().bases().list(setup.id);
-          mine.put_list(of_space);
-        }
-      }
-      if (!own.empty()) {
-        num_pressures = static_cast<std::int32_t>(load(own.front()).p.size());
-      }
-      mine.put(num_pressures);
-    });
-    const std::vector<Bytes> all = communicator_.all_gather(mine.take());
-    task.holders = find_holders(own, communicator_);
-    agree(communicator_, [&] {
-      Keep keep = keep_;
-      Unpacker of_first(all.front());
-      for (auto& of_space : boxes) {
-        of_space = of_first.take_list<std::vector<storage::BasisBox>>();
-        for (const storage::BasisBox& box : of_space) keep = box.keep;
-      }
-      task.num_pressures = of_first.take<std::int32_t>();
-      for (std::size_t rank = 1; rank < all.size(); ++rank) {
-        const auto of_rank = Unpacker(all[rank]).take<std::int32_t>();
-        task.num_pressures = std::max<Eigen::Index>(task.num_pressures, of_rank);
-      }
-      if (keep == Keep::touch) task.num_pressures = 0;
-      task.keep = keep;
-      task.bound = bound;
-      task.points = kept_points(scene_.mesh, make_surface(scene_.mesh), keep);
-      task.load = [this](const StateKey& key) { return load(key); };
-      std::map<ToolSpaceId, std::vector<StateKey>> of_spaces;
-      for (const auto& [key, holder] : task.holders) of_spaces[key.tool_space].push_back(key);
-      for (std::size_t s = 0; s < setups_.size(); ++s) {
-        plan(setups_[s], boxes[s], of_spaces[setups_[s].id], task.regions);
-      }
-    });
+    const std::vector<ReductionTask> tasks = plan_reduction(own, bound);
     // The other ranks keep their files until rank 0 has committed the transaction.
     agree(communicator_, [&] {
       if (communicator_.rank() == 0) {
-        files_.own().change_together([&] { reduce(task, parts); });
+        files_.own().change_together([&] { reduce(tasks, parts); });
       } else {
-        reduce(task, parts);
+        reduce(tasks, parts);
       }
     });
+  }
+
+  /// Plans how the fields of each body are reduced.
+  /// @param own The states whose fields are here.
+  /// @note Collective
+  [[nodiscard]] std::vector<ReductionTask> plan_reduction(const std::vector<StateKey>& own,
+                                                          double bound) {
+    // The bases that the file already has determine what is kept of the other regions.
+    Packer mine;
+    agree(communicator_, [&] {
+      if (communicator_.rank() == 0) {
+        for (const ToolSpaceSetup& setup : setups_) {
+          const auto of_space = files_.own().bases().list(setup.key());
+          mine.put_list(of_space);
+        }
+      }
+      for (const SpaceBody& body : bodies_) mine.put(num_pressures_of(body, own));
+    });
+    const std::vector<Bytes> all = communicator_.all_gather(mine.take());
+    const StateHolders holders = find_holders(own, communicator_);
+    std::vector<ReductionTask> tasks;
+    agree(communicator_, [&] {
+      Keep keep = keep_;
+      std::vector<Unpacker> contents(all.begin(), all.end());
+      std::vector<std::vector<storage::BasisBox>> boxes(setups_.size());
+      for (auto& of_space : boxes) {
+        of_space = contents.front().take_list<std::vector<storage::BasisBox>>();
+        for (const storage::BasisBox& box : of_space) keep = box.keep;
+      }
+      std::map<ToolSpaceKey, std::vector<StateKey>> of_spaces;
+      for (const auto& [key, holder] : holders) of_spaces[key.tool_space].push_back(key);
+      for (const SpaceBody& body : bodies_) {
+        ReductionTask& task = tasks.emplace_back();
+        for (Unpacker& content : contents) {
+          task.num_pressures =
+              std::max<Eigen::Index>(task.num_pressures, content.take<std::int32_t>());
+        }
+        if (keep == Keep::touch) task.num_pressures = 0;
+        task.keep = keep;
+        task.bound = bound;
+        task.points = kept_points(body.mesh(), make_surface(body.mesh()), keep);
+        task.load = [this](const StateKey& key) { return load(key); };
+        task.holders = holders_of(body, holders);
+        for (std::size_t s = 0; s < setups_.size(); ++s) {
+          if (setups_[s].body != body.number) continue;
+          plan(setups_[s], boxes[s], of_spaces[setups_[s].key()], task.regions);
+        }
+      }
+    });
+    return tasks;
+  }
+
+  /// The number of pressures of a body, if a state of it is here; else 0.
+  [[nodiscard]] std::int32_t num_pressures_of(const SpaceBody& body,
+                                              const std::vector<StateKey>& own) const {
+    const auto state = std::find_if(own.begin(), own.end(), [&](const StateKey& key) {
+      return key.tool_space.body == body.number;
+    });
+    return state == own.end() ? 0 : static_cast<std::int32_t>(load(*state).p.size());
   }
 
   /// Adds the regions of a tool space to a list.
@@ -495,7 +535,8 @@ class FileRecord final : public Record {
       ReductionRegion& region = there.emplace_back();
       region.number = box.number;
       region.box = box.box;
-      if (communicator_.rank() == 0) region.begin = files_.own().bases().read(setup.id, box.number);
+      if (communicator_.rank() == 0)
+        region.begin = files_.own().bases().read(setup.key(), box.number);
     }
     for (ReductionRegion& region : plan_regions(setup, keys, there)) {
       regions.push_back(std::move(region));
@@ -504,7 +545,7 @@ class FileRecord final : public Record {
 
   /// @param parts On rank 0: the results of the other ranks.
   /// @note Collective
-  void reduce(const ReductionTask& task, const Parts& parts) {
+  void reduce(const std::vector<ReductionTask>& tasks, const Parts& parts) {
     StateSpaceFile& file = files_.own();
     std::map<StateKey, ConfigurationSummary> found;
     agree(communicator_, [&] {
@@ -517,23 +558,23 @@ class FileRecord final : public Record {
       for (const auto& [id, transition] : parts.transitions) file.add(id, transition);
       for (const auto& [id, state] : parts.intermediate_states) file.add(id, state);
       for (const ToolSpaceSetup& setup : setups_) {
-        for (const Configuration& c : file.read_summaries(setup.id)) {
-          found.emplace(key_of(setup.id, c), c);
+        for (const Configuration& c : file.read_summaries(setup.key())) {
+          found.emplace(key_of(setup.key(), c), c);
         }
       }
     });
-    reduce_on_ranks(task, communicator_,
-                    [&](const ReductionRegion& region, const std::vector<StateKey>& keys,
-                        const PackedReduction& reduction) {
-                      file.bases().add(region.tool_space, region.number, reduction.basis);
-                      for (std::size_t i = 0; i < keys.size(); ++i) {
-                        file.add(region.tool_space, found.at(keys[i]), reduction.fields[i]);
-                      }
-                    });
+    const auto take = [&](const ReductionRegion& region, const std::vector<StateKey>& keys,
+                          const PackedReduction& reduction) {
+      file.bases().add(region.tool_space, region.number, reduction.basis);
+      for (std::size_t i = 0; i < keys.size(); ++i) {
+        file.add(region.tool_space, found.at(keys[i]), reduction.fields[i]);
+      }
+    };
+    for (const ReductionTask& task : tasks) reduce_on_ranks(task, communicator_, take);
   }
 
   fs::path path_;
-  const Scene& scene_;
+  const std::vector<SpaceBody>& bodies_;
   std::vector<ToolSpaceSetup> setups_;
   Keep keep_;
   double bound_;
@@ -543,17 +584,17 @@ class FileRecord final : public Record {
 
 }  // namespace
 
-std::unique_ptr<Record> make_memory_record(const Scene& scene,
+std::unique_ptr<Record> make_memory_record(const std::vector<SpaceBody>& bodies,
                                            const std::vector<ToolSpaceSetup>& setups,
                                            Communicator& communicator) {
-  return std::make_unique<MemoryRecord>(scene, setups, communicator);
+  return std::make_unique<MemoryRecord>(bodies, setups, communicator);
 }
 
-std::unique_ptr<Record> make_file_record(const fs::path& path, const Scene& scene,
+std::unique_ptr<Record> make_file_record(const fs::path& path, const std::vector<SpaceBody>& bodies,
                                          const std::vector<ToolSpaceSetup>& setups,
                                          double solver_tolerance, Keep keep, double bound,
                                          Communicator& communicator) {
-  return std::make_unique<FileRecord>(path, scene, setups, solver_tolerance, keep, bound,
+  return std::make_unique<FileRecord>(path, bodies, setups, solver_tolerance, keep, bound,
                                       communicator);
 }
 

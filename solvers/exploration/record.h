@@ -29,11 +29,11 @@ class Record {
   Record& operator=(const Record&) = delete;
 
   /// What earlier runs have found of a tool space; empty on ranks other than 0.
-  [[nodiscard]] virtual Known known(ToolSpaceId tool_space) const = 0;
+  [[nodiscard]] virtual Known known(ToolSpaceKey tool_space) const = 0;
   /// The intermediate states of a tool space that earlier runs have found; empty on ranks other
   /// than 0.
   [[nodiscard]] virtual std::vector<IntermediateState> known_intermediate_states(
-      ToolSpaceId /*tool_space*/) const {
+      ToolSpaceKey /*tool_space*/) const {
     return {};
   }
   /// Damaged parts of what earlier runs have left, see StateSpaceFile::left_out(); empty on ranks
@@ -41,20 +41,20 @@ class Record {
   [[nodiscard]] virtual std::vector<std::string> damaged() const = 0;
   /// Keeps a configuration. The rank that found it calls this before it tells any other rank.
   /// @param way The intermediate states on the way to it. Either all of this is kept or nothing.
-  virtual void keep(ToolSpaceId tool_space, const Configuration& found,
+  virtual void keep(ToolSpaceKey tool_space, const Configuration& found,
                     const std::vector<IntermediateState>& way) = 0;
   /// Keeps a transition between levels. Call this on any rank, before its candidate is settled.
-  virtual void keep(ToolSpaceId tool_space, const LevelTransition& transition) = 0;
+  virtual void keep(ToolSpaceKey tool_space, const LevelTransition& transition) = 0;
   /// Settles a candidate that was kept on this rank, or by an earlier run: gives it a level, or
   /// removes it.
   /// @param level Below zero: the candidate is removed, since it is a known configuration.
-  virtual void settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate,
+  virtual void settle(ToolSpaceKey tool_space, const ConfigurationSummary& candidate,
                       std::int32_t level) = 0;
   /// A configuration with its fields, which was kept on this rank or by an earlier run.
-  [[nodiscard]] virtual Configuration load(ToolSpaceId tool_space,
+  [[nodiscard]] virtual Configuration load(ToolSpaceKey tool_space,
                                            const ConfigurationSummary& summary) const = 0;
   /// The part of the fields that load() gives; less than all if an earlier run has reduced them.
-  [[nodiscard]] virtual Keep kept(ToolSpaceId /*tool_space*/,
+  [[nodiscard]] virtual Keep kept(ToolSpaceKey /*tool_space*/,
                                   const ConfigurationSummary& /*summary*/) const {
     return Keep::all;
   }
@@ -79,19 +79,21 @@ class Record {
 };
 
 /// A record in memory.
-[[nodiscard]] std::unique_ptr<Record> make_memory_record(const Scene& scene,
+/// @param bodies Those of the run, in the order of their numbers. They must outlive the record.
+[[nodiscard]] std::unique_ptr<Record> make_memory_record(const std::vector<SpaceBody>& bodies,
                                                          const std::vector<ToolSpaceSetup>& setups,
                                                          Communicator& communicator);
 
 /// A record in a state-space file, which may have a part of the space already, see rank_files.h.
+/// @param bodies As those of make_memory_record().
 /// @param keep The part of the fields that the file keeps once the space is complete.
 /// @param bound The largest error of these fields, as a share of the largest displacement.
-/// @throws InputError the file is of another scene, tolerance, tip or grid; it has another number
-///   of intermediate states; third derivatives are in the file but not asked for, or the reverse;
-///   or it keeps less than is asked for, or with a larger error.
+/// @throws InputError the file is of another scene, tolerance, tip or grid; it has the bodies in
+///   another order; it has another number of intermediate states; third derivatives are in the file
+///   but not asked for, or the reverse; or it keeps less than is asked for, or with a larger error.
 /// @note Collective
 [[nodiscard]] std::unique_ptr<Record> make_file_record(const std::filesystem::path& path,
-                                                       const Scene& scene,
+                                                       const std::vector<SpaceBody>& bodies,
                                                        const std::vector<ToolSpaceSetup>& setups,
                                                        double solver_tolerance, Keep keep,
                                                        double bound, Communicator& communicator);

@@ -95,7 +95,7 @@ struct Placed {
 
 /// The states of each region, in order.
 std::vector<std::vector<Placed>> place(const ReductionTask& task) {
-  std::map<ToolSpaceId, std::vector<std::size_t>> regions_of;
+  std::map<ToolSpaceKey, std::vector<std::size_t>> regions_of;
   for (std::size_t r = 0; r < task.regions.size(); ++r) {
     regions_of[task.regions[r].tool_space].push_back(r);
   }
@@ -270,7 +270,7 @@ std::vector<ReductionRegion> plan_regions(const ToolSpaceSetup& setup,
   std::int64_t number = 0;
   for (const ReductionRegion& box : there) number = std::max(number, box.number + 1);
   for (std::size_t r = 0; r < regions.size(); ++r) {
-    regions[r].tool_space = setup.id;
+    regions[r].tool_space = setup.key();
     regions[r].step = setup.grid.field_step();
     if (r >= there.size()) regions[r].number = number++;
   }

@@ -22,7 +22,7 @@ namespace palpate {
 
 /// Configurations that share a basis: those in a box of check-points.
 struct ReductionRegion {
-  ToolSpaceId tool_space = 0;
+  ToolSpaceKey tool_space;
   /// The number of the basis within the tool space.
   std::int64_t number = 0;
   CheckPointBox box;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "exploration/settle.h"
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -22,8 +23,8 @@ SettledBody find_rest(const Scene& scene, const EquilibriumSolver& solver,
   }
   if (!path.empty() && std::filesystem::exists(path)) {
     const StateSpaceFile file = StateSpaceFile::open_read_only(path);
-    if (file.scene_hash() == hash(scene)) {
-      SettledBody settled = file.read_scene().settled;
+    if (const std::optional<BodyId> body = file.find_body(hash(scene))) {
+      SettledBody settled = file.read_rest(*body);
       if (settled.p.size() == rest.p.size()) return settled;
       throw InputError(
           quoted(path) +
@@ -37,18 +38,15 @@ SettledBody find_rest(const Scene& scene, const EquilibriumSolver& solver,
 
 }  // namespace
 
-const Scene& settle(const Scene& scene, const EquilibriumSolver& solver,
-                    const std::filesystem::path& file, Communicator& communicator,
-                    std::optional<Scene>& settled) {
-  if (!scene.has_load()) return scene;
+SettledBody settle(const Scene& scene, const EquilibriumSolver& solver,
+                   const std::filesystem::path& file, Communicator& communicator) {
+  if (!scene.has_load()) return {};
   Packer mine;
   agree(communicator, [&] {
     if (communicator.rank() == 0) mine.put(find_rest(scene, solver, file));
   });
   const std::vector<Bytes> all = communicator.all_gather(mine.take());
-  settled = scene;
-  settled->settled = Unpacker(all.front()).take<SettledBody>();
-  return *settled;
+  return Unpacker(all.front()).take<SettledBody>();
 }
 
 }  // namespace palpate

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 
 #include "assembly/scene.h"
 #include "equilibrium/equilibrium.h"
@@ -12,16 +11,14 @@
 
 namespace palpate {
 
-/// The scene with its body at rest. A scene without load is returned as it is.
+/// The body at rest; empty for a scene without load.
 /// @param solver The solver of the scene, on each rank.
 /// @param file If it exists and is of this scene, its rest is taken, so that runs which differ in
 ///   rounding agree. Empty: there is no file.
-/// @param settled Storage of the result, if the scene has a load.
 /// @throws InputError the body has no equilibrium under its load, or the run was aborted before it
 ///   was found.
 /// @note Collective
-[[nodiscard]] const Scene& settle(const Scene& scene, const EquilibriumSolver& solver,
-                                  const std::filesystem::path& file, Communicator& communicator,
-                                  std::optional<Scene>& settled);
+[[nodiscard]] SettledBody settle(const Scene& scene, const EquilibriumSolver& solver,
+                                 const std::filesystem::path& file, Communicator& communicator);
 
 }  // namespace palpate

@@ -17,8 +17,9 @@ constexpr double kHalvingShrinks = 1.0 / 3;
 
 }  // namespace
 
-ShellRounds::ShellRounds(PlannedSpace& space, const ToolClearance& clearance, const Vec3& begin_at)
-    : space_(space), clearance_(clearance), begin_at_(begin_at) {
+ShellRounds::ShellRounds(PlannedSpace& space, std::shared_ptr<const ToolClearance> clearance,
+                         const Vec3& begin_at)
+    : space_(space), clearance_(std::move(clearance)), begin_at_(begin_at) {
   take(static_cast<const StartGraph&>(*space.plan));
 }
 
@@ -37,13 +38,14 @@ bool ShellRounds::plan(Engine& engine, Communicator& communicator, PrecomputeRep
     }
     const double tolerance = force_tolerance(setup.policy, found);
     if (!(tolerance > 0)) return;
-    const Clearance clearance = [&](const Vec3& q) { return clearance_.clearance(q); };
+    const Clearance clearance = [&](const Vec3& q) { return clearance_->clearance(q); };
     const Refinement refinement =
         plan_refinement(setup.grid, found, tolerance, 1, clearance,
                         [&](const CellEstimate& estimate) { return is_in_vain(estimate); });
     for (const CellEstimate& e : refinement.estimates) errors_[e.cell] = e.error;
     auto graph = std::make_shared<const StartGraph>(
-        setup.id, refined_targets(clearance_, setup.grid, refinement.to_split, known, begin_at_));
+        setup.key(),
+        refined_targets(*clearance_, setup.grid, refinement.to_split, known, begin_at_));
     if (graph->targets().empty()) return;
     take(*graph);
     space_.plan = std::move(graph);
@@ -64,7 +66,7 @@ void ShellRounds::take(const StartGraph& graph) {
 }
 
 void ShellRounds::gather_known(const Engine& engine, Communicator& communicator) {
-  const std::vector<ConfigurationSummary>& here = engine.known_here(space_.setup.id);
+  const std::vector<ConfigurationSummary>& here = engine.known_here(space_.setup.key());
   Packer mine;
   mine.put_list(std::vector<ConfigurationSummary>(
       here.begin() + static_cast<std::ptrdiff_t>(num_told_), here.end()));

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <set>
 
 #include "exploration/engine.h"
@@ -16,8 +17,9 @@ namespace palpate {
 class ShellRounds {
  public:
   /// @param space Its plan is a StartGraph, and is replaced by that of each further round. It must
-  ///   outlive the object, and so must the clearance.
-  ShellRounds(PlannedSpace& space, const ToolClearance& clearance, const Vec3& begin_at);
+  ///   outlive the object.
+  ShellRounds(PlannedSpace& space, std::shared_ptr<const ToolClearance> clearance,
+              const Vec3& begin_at);
 
   /// Plans the next round, after a complete one.
   /// @returns false: no further round is needed.
@@ -32,7 +34,7 @@ class ShellRounds {
   void gather_known(const Engine& engine, Communicator& communicator);
 
   PlannedSpace& space_;
-  const ToolClearance& clearance_;
+  std::shared_ptr<const ToolClearance> clearance_;
   Vec3 begin_at_;
   /// The check-points that the rounds so far have asked for.
   std::set<CheckPoint> asked_;

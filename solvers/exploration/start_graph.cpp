@@ -116,7 +116,7 @@ class OwnedTargets final : public ExplorationStrategy {
 
 }  // namespace
 
-StartGraph::StartGraph(ToolSpaceId tool_space, std::vector<Target> targets)
+StartGraph::StartGraph(ToolSpaceKey tool_space, std::vector<Target> targets)
     : tool_space_(tool_space), targets_(std::move(targets)) {
   std::sort(targets_.begin(), targets_.end(),
             [](const Target& a, const Target& b) { return a.check_point < b.check_point; });

@@ -35,7 +35,7 @@ class StartGraph final : public ExplorationPlan {
     double distance = 0;
   };
 
-  StartGraph(ToolSpaceId tool_space, std::vector<Target> targets);
+  StartGraph(ToolSpaceKey tool_space, std::vector<Target> targets);
 
   [[nodiscard]] std::vector<CheckPoint> following(const ConfigurationSummary& found) const override;
   [[nodiscard]] bool is_spread() const override { return true; }
@@ -49,7 +49,7 @@ class StartGraph final : public ExplorationPlan {
   [[nodiscard]] const Target* find(const CheckPoint& p) const;
 
  private:
-  ToolSpaceId tool_space_;
+  ToolSpaceKey tool_space_;
   std::vector<Target> targets_;
   /// By start, the targets whose first start it is.
   std::map<CheckPoint, std::vector<CheckPoint>> following_;

@@ -29,7 +29,7 @@ bool is_same(const Equilibrium& a, const Equilibrium& b) {
 const InnerExtension& InteractionSolver::extension(Keep kept) {
   const auto found = extensions_.find(kept);
   if (found != extensions_.end()) return found->second;
-  const std::vector<Index> known = kept_points(scene_.mesh, make_surface(scene_.mesh), kept);
+  const std::vector<Index> known = kept_points(body_.mesh(), make_surface(body_.mesh()), kept);
   return extensions_
       .emplace(std::piecewise_construct, std::forward_as_tuple(kept),
                std::forward_as_tuple(solver_.assembly(), known))
@@ -42,7 +42,7 @@ Equilibrium InteractionSolver::restore(const ToolSpaceSetup& setup, const Equili
   take(setup);
   Equilibrium filled = near;
   // The extension to the inside works with displacements from rest.
-  const SettledBody& at_rest = scene_.settled;
+  const SettledBody& at_rest = body_.at_rest;
   if (at_rest.u.size() > 0) filled.u -= at_rest.u;
   extension(kept).fill(filled.u);
   if (at_rest.u.size() > 0) filled.u += at_rest.u;

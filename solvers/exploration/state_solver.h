@@ -13,7 +13,7 @@
 #include "equilibrium/inner_extension.h"
 #include "fields/reduced_fields.h"
 #include "interaction/interaction_spec.h"
-#include "state_space/tool_space.h"
+#include "state_space/space_body.h"
 
 namespace palpate {
 
@@ -52,8 +52,8 @@ class StateSolver {
 class InteractionSolver final : public StateSolver {
  public:
   /// All arguments must outlive this object.
-  InteractionSolver(const Scene& scene, EquilibriumSolver& solver, InteractionFactory& tools)
-      : scene_(scene), solver_(solver), tools_(tools) {}
+  InteractionSolver(const SpaceBody& body, EquilibriumSolver& solver, InteractionFactory& tools)
+      : body_(body), solver_(solver), tools_(tools) {}
 
   [[nodiscard]] Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                   Tangent tangent) override {
@@ -78,22 +78,55 @@ class InteractionSolver final : public StateSolver {
  private:
   [[nodiscard]] static bool has_fields(const Equilibrium& state) { return state.u.size() > 0; }
   void take(const ToolSpaceSetup& setup) {
-    if (taken_ == setup.id) return;
+    if (taken_ == setup.key()) return;
     solver_.set_interaction(*tools_.make(setup.interaction));
     clearance_ = tools_.clearance(setup.interaction);
-    taken_ = setup.id;
+    taken_ = setup.key();
   }
 
-  const Scene& scene_;
+  const SpaceBody& body_;
   EquilibriumSolver& solver_;
   InteractionFactory& tools_;
   [[nodiscard]] const InnerExtension& extension(Keep kept);
 
   /// The tool space whose tool the solver has.
-  std::optional<ToolSpaceId> taken_;
+  std::optional<ToolSpaceKey> taken_;
   /// The clearance of that tool, if there is one.
   std::shared_ptr<const ToolClearance> clearance_;
   std::map<Keep, InnerExtension> extensions_;
+};
+
+/// Has the solver of each body solve for the tool spaces that stand on it.
+class SolverOfBodies final : public StateSolver {
+ public:
+  /// Gives a body its solver, which must outlive this object.
+  void add(BodyId body, StateSolver& solver) { solvers_[body] = &solver; }
+
+  [[nodiscard]] Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
+                                  Tangent tangent) override {
+    return solver_of(setup).begin(setup, t, tangent);
+  }
+  [[nodiscard]] Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
+                                  const Equilibrium& start, Tangent tangent) override {
+    return solver_of(setup).solve(setup, t, start, tangent);
+  }
+  [[nodiscard]] Equilibrium restore(const ToolSpaceSetup& setup, const Equilibrium& near,
+                                    Keep kept) override {
+    return solver_of(setup).restore(setup, near, kept);
+  }
+  void forget(const Equilibrium& state) override {
+    if (last_ != nullptr) last_->forget(state);
+  }
+
+ private:
+  StateSolver& solver_of(const ToolSpaceSetup& setup) {
+    last_ = solvers_.at(setup.body);
+    return *last_;
+  }
+
+  std::map<BodyId, StateSolver*> solvers_;
+  /// The solver of the tool space that was solved for last.
+  StateSolver* last_ = nullptr;
 };
 
 }  // namespace palpate

@@ -11,7 +11,7 @@ bool Steering::has_goals() const {
                      [](const OfSpace& space) { return !space.goals.empty(); });
 }
 
-bool Steering::withdraws(ToolSpaceId tool_space, const CheckPoint& target) const {
+bool Steering::withdraws(ToolSpaceKey tool_space, const CheckPoint& target) const {
   const OfSpace* space = find(tool_space);
   return space != nullptr &&
          std::any_of(space->withdrawn.begin(), space->withdrawn.end(),
@@ -20,14 +20,14 @@ bool Steering::withdraws(ToolSpaceId tool_space, const CheckPoint& target) const
 
 double Steering::distance(const ToolSpaceSetup& setup, const CheckPoint& target) const {
   double least = std::numeric_limits<double>::infinity();
-  const OfSpace* space = find(setup.id);
+  const OfSpace* space = find(setup.key());
   if (space == nullptr) return least;
   const Vec3 place = setup.grid.place(target);
   for (const Vec3& goal : space->goals) least = std::min(least, (goal - place).norm());
   return least;
 }
 
-const Steering::OfSpace* Steering::find(ToolSpaceId tool_space) const {
+const Steering::OfSpace* Steering::find(ToolSpaceKey tool_space) const {
   const auto found = std::find_if(spaces.begin(), spaces.end(), [&](const OfSpace& space) {
     return space.tool_space == tool_space;
   });

@@ -16,7 +16,7 @@ namespace palpate {
 struct Steering {
   /// The steering of one tool space.
   struct OfSpace {
-    ToolSpaceId tool_space = 0;
+    ToolSpaceKey tool_space;
     /// Coordinates of the tool [3], m. The target nearest to any of them is made first. While a
     /// tool space has a goal, targets of those without goals come last.
     std::vector<Vec3> goals;
@@ -28,12 +28,12 @@ struct Steering {
   std::vector<OfSpace> spaces;
 
   [[nodiscard]] bool has_goals() const;
-  [[nodiscard]] bool withdraws(ToolSpaceId tool_space, const CheckPoint& target) const;
+  [[nodiscard]] bool withdraws(ToolSpaceKey tool_space, const CheckPoint& target) const;
   /// The distance of a target from the nearest goal, m; infinite: its tool space has none.
   [[nodiscard]] double distance(const ToolSpaceSetup& setup, const CheckPoint& target) const;
 
  private:
-  [[nodiscard]] const OfSpace* find(ToolSpaceId tool_space) const;
+  [[nodiscard]] const OfSpace* find(ToolSpaceKey tool_space) const;
 };
 
 template <class Visit>

@@ -77,11 +77,15 @@ void for_each_part(LevelTransition& transition, Visit&& visit) {
   visit(transition.reached);
 }
 template <class Visit>
+void for_each_part(ToolSpaceKey& key, Visit&& visit) {
+  visit(key.id);
+  visit(key.body);
+}
+template <class Visit>
 void for_each_part(StateKey& key, Visit&& visit) {
   visit(key.tool_space);
   visit(key.check_point);
   visit(key.level);
-  visit(key.body);
 }
 template <class Visit>
 void for_each_part(CheckPointBox& box, Visit&& visit) {
@@ -218,21 +222,32 @@ void for_each_part(SettledBody& settled, Visit&& visit) {
   visit(settled.p);
 }
 template <class Visit>
+void for_each_part(TetMesh& mesh, Visit&& visit) {
+  visit(mesh.order);
+  visit(mesh.points);
+  visit(mesh.cells);
+}
+template <class Visit>
+void for_each_part(Organ& organ, Visit&& visit) {
+  visit(organ.materials);
+  visit(organ.densities);
+  visit(organ.body_force);
+}
+template <class Visit>
+void for_each_part(Body& body, Visit&& visit) {
+  visit(body.mesh);
+  visit(body.material_of_cell);
+  visit(body.fixed);
+  visit(body.touchable);
+  visit(body.held_directions);
+  visit(body.support_stiffness);
+  visit(body.applied_pressure);
+  visit(body.applied_traction);
+}
+template <class Visit>
 void for_each_part(Scene& scene, Visit&& visit) {
-  visit(scene.mesh.order);
-  visit(scene.mesh.points);
-  visit(scene.mesh.cells);
-  visit(scene.materials);
-  visit(scene.material_of_cell);
-  visit(scene.fixed);
-  visit(scene.touchable);
-  visit(scene.held_directions);
-  visit(scene.support_stiffness);
-  visit(scene.applied_pressure);
-  visit(scene.applied_traction);
-  visit(scene.body_force);
-  visit(scene.densities);
-  visit(scene.settled);
+  visit(scene.organ);
+  visit(scene.body);
 }
 
 }  // namespace palpate

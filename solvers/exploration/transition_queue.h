@@ -49,7 +49,7 @@ void for_each_part(TransitionTarget& target, Visit&& visit) {
 
 /// Transitions from one start.
 struct TransitionBatch {
-  ToolSpaceId tool_space = 0;
+  ToolSpaceKey tool_space;
   /// The start; not usable: the targets need no start.
   ConfigurationSummary start;
   /// The state of the start; null: it was not read yet, or there is no start.

@@ -24,7 +24,7 @@ class FieldSource {
   virtual ~FieldSource() = default;
 
   /// Adds up shares of the fields of a tool space's configurations, counted from the body at rest
-  /// (Scene::settled).
+  /// (SpaceBody::at_rest).
   /// @param needed The points whose displacement is needed; that of others may be zero.
   /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a
   ///   body without, and where they are not needed.

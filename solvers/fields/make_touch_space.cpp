@@ -44,11 +44,11 @@ bool has_fields(const Configuration& configuration, Index num_points) {
          configuration.v.cols() == 3;
 }
 
-void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
+void add_tool_space(const SpaceBody& body, const ShownSurface& shown, const ToolSpaceSetup& setup,
                     const std::vector<ConfigurationSummary>& configurations,
                     std::vector<IntermediateState> intermediate_states, const FieldBasis* basis,
                     const std::vector<const ReducedFields*>& fields, TouchSpace& space) {
-  check_active_node(setup, scene.mesh);
+  check_active_node(setup, body.mesh());
   TouchToolSpace added;
   added.setup = setup;
   added.intermediate_states = std::move(intermediate_states);
@@ -59,14 +59,14 @@ void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
     added.configurations.push_back(configurations[s]);
     kept.push_back(has_modes ? fields[s] : nullptr);
   }
-  add_clearance(scene, added);
+  add_clearance(body.scene->body, body.at_rest, added);
   const Eigen::Index rank = has_modes ? basis->modes.cols() : 0;
   added.modes.resize(3 * Eigen::Index{space.surface.num_points()}, rank);
   const auto total = static_cast<Eigen::Index>(kept.size());
   added.coefficients.setZero(rank, total);
   added.coefficient_gradients.setZero(3 * rank, total);
   if (has_modes) {
-    added.modes = basis->modes.topRows(added.modes.rows());
+    added.modes = shown.carry(setup.body, basis->modes);
     for (Eigen::Index c = 0; c < total; ++c) {
       const ReducedFields* of = kept[static_cast<std::size_t>(c)];
       if (of == nullptr) continue;
@@ -84,21 +84,21 @@ void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
   space.tool_spaces.push_back(std::move(added));
 }
 
-void reduce_and_add(const Scene& scene, const ToolSpaceSetup& setup,
+void reduce_and_add(const SpaceBody& body, const ShownSurface& shown, const ToolSpaceSetup& setup,
                     const std::vector<ConfigurationSummary>& summaries,
                     std::vector<IntermediateState> intermediate_states, double bound,
                     const WholeConfiguration& whole, TouchSpace& space) {
-  check_active_node(setup, scene.mesh);
-  const std::vector<Index>& points = space.surface.mesh_points;
+  check_active_node(setup, body.mesh());
+  const std::vector<Index>& points = shown.surface_of(setup.body).mesh_points;
   const auto num_points = static_cast<Eigen::Index>(points.size());
   const double step = setup.grid.field_step();
   const auto take = [&](std::size_t s, Eigen::Index at, Snapshots& to) {
     const Configuration* configuration = whole(s);
     if (configuration == nullptr) return false;
-    check_fields(*configuration, scene.mesh.num_points(), setup);
-    if (scene.has_load()) {
+    check_fields(*configuration, body.mesh().num_points(), setup);
+    if (body.scene->has_load()) {
       Configuration from_rest = *configuration;
-      count_from_rest(scene.settled, from_rest);
+      count_from_rest(body.at_rest, from_rest);
       to.set(at, from_rest, points, step);
     } else {
       to.set(at, *configuration, points, step);
@@ -126,23 +126,25 @@ void reduce_and_add(const Scene& scene, const ToolSpaceSetup& setup,
   const Reduction reduction = reducer.finish();
   std::vector<const ReducedFields*> fields(summaries.size(), nullptr);
   for (std::size_t i = 0; i < usable.size(); ++i) fields[usable[i]] = &reduction.fields[i];
-  add_tool_space(scene, setup, summaries, std::move(intermediate_states), &reduction.basis, fields,
-                 space);
+  add_tool_space(body, shown, setup, summaries, std::move(intermediate_states), &reduction.basis,
+                 fields, space);
 }
 
 TouchSpace make_touch_space(const StateSpace& space, double bound) {
   validate_pod_bound(bound);
-  TouchSpace made = make_empty_touch_space(space.scene, space.scene_hash);
+  const ShownSurface shown(space.bodies);
+  TouchSpace made = make_empty_touch_space(space.bodies);
   for (const ToolSpace& tool_space : space.tool_spaces) {
     const std::vector<ConfigurationSummary> summaries(tool_space.configurations.begin(),
                                                       tool_space.configurations.end());
+    const SpaceBody& body = space.body(tool_space.setup.body);
     if (tool_space.setup.presses()) {
-      add_tool_space(space.scene, tool_space.setup, summaries, tool_space.intermediate_states,
+      add_tool_space(body, shown, tool_space.setup, summaries, tool_space.intermediate_states,
                      nullptr, {}, made);
       continue;
     }
     reduce_and_add(
-        space.scene, tool_space.setup, summaries, tool_space.intermediate_states, bound,
+        body, shown, tool_space.setup, summaries, tool_space.intermediate_states, bound,
         [&](std::size_t c) { return &tool_space.configurations[c]; }, made);
   }
   return made;

@@ -8,18 +8,20 @@
 #include <vector>
 
 #include "fields/reduced_fields.h"
+#include "state_space/shown_surface.h"
 #include "state_space/touch_space.h"
 
 namespace palpate {
 
 /// Adds a tool space.
+/// @param body The body on which it stands. @param shown The surface of all bodies of the space.
 /// @param configurations All configurations, in their order.
 /// @param basis The basis of the fields of an active node; ignored for a rigid tool. Null: the
 ///   space shows no displacement.
 /// @param fields The coefficients by the modes of the basis, for each configuration that is usable;
 ///   a configuration whose fields are null is left out. Empty where there is no basis.
 /// @throws InputError an active node that is no point of the body; as add_clearance().
-void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
+void add_tool_space(const SpaceBody& body, const ShownSurface& shown, const ToolSpaceSetup& setup,
                     const std::vector<ConfigurationSummary>& configurations,
                     std::vector<IntermediateState> intermediate_states, const FieldBasis* basis,
                     const std::vector<const ReducedFields*>& fields, TouchSpace& space);
@@ -35,7 +37,7 @@ using WholeConfiguration = std::function<const Configuration*(std::size_t index)
 /// @param configurations All configurations, in their order.
 /// @param bound The largest error of a surface point, as a share of the largest displacement.
 /// @throws InputError as make_touch_space() does.
-void reduce_and_add(const Scene& scene, const ToolSpaceSetup& setup,
+void reduce_and_add(const SpaceBody& body, const ShownSurface& shown, const ToolSpaceSetup& setup,
                     const std::vector<ConfigurationSummary>& configurations,
                     std::vector<IntermediateState> intermediate_states, double bound,
                     const WholeConfiguration& whole, TouchSpace& space);

@@ -85,10 +85,10 @@ void take_transitions(const std::vector<LevelTransition>& transitions, TouchTool
 
 TouchToolSpace& tool_space_of(const ToolSpaceChunk& chunk, TouchSpace& space) {
   auto& all = space.tool_spaces;
-  auto here =
-      std::lower_bound(all.begin(), all.end(), chunk.setup.id,
-                       [](const TouchToolSpace& one, ToolSpaceId id) { return one.setup.id < id; });
-  if (here != all.end() && here->setup.id == chunk.setup.id) return *here;
+  auto here = std::lower_bound(
+      all.begin(), all.end(), chunk.setup.key(),
+      [](const TouchToolSpace& one, const ToolSpaceKey& key) { return one.setup.key() < key; });
+  if (here != all.end() && here->setup.key() == chunk.setup.key()) return *here;
   here = all.emplace(here);
   here->setup = chunk.setup;
   here->clearance = chunk.clearance;

@@ -20,7 +20,8 @@ struct ToolSpaceChunk {
   std::vector<IntermediateState> intermediate_states;
   /// The transitions between levels. All that they connect is in this chunk or in an earlier one.
   std::vector<LevelTransition> transitions;
-  /// Modes that are added to those of earlier chunks [3 × surface points, added], and their errors,
+  /// Modes that are added to those of earlier chunks [3 × points that are shown,
+  /// added], and their errors,
   /// see TouchSpace.
   Eigen::MatrixXf modes;
   double largest_displacement = 0;
@@ -34,7 +35,7 @@ struct ToolSpaceChunk {
 struct SpaceChunk {
   /// The chunks of an exploration are numbered from 1, and are to be taken in their order.
   std::int64_t number = 0;
-  /// The tool spaces in which something was found, in the order of their numbers.
+  /// The tool spaces in which something was found, in the order of their keys.
   std::vector<ToolSpaceChunk> tool_spaces;
 };
 

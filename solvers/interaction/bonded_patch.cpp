@@ -46,13 +46,13 @@ InteractionList bond_nodes(const std::vector<Index>& nodes) {
   return tools;
 }
 
-BondedPatches::BondedPatches(const Scene& scene, double radius, std::string name)
+BondedPatches::BondedPatches(const Body& body, double radius, std::string name)
     : radius_(radius),
       name_(std::move(name)),
-      points_(scene.mesh.points),
-      fixed_(scene.fixed),
-      used_(points_in_use(scene.mesh)),
-      patches_(scene.mesh) {}
+      points_(body.mesh.points),
+      fixed_(body.fixed),
+      used_(points_in_use(body.mesh)),
+      patches_(body.mesh) {}
 
 InteractionList BondedPatches::around_each(const std::vector<Index>& nodes) const {
   if (nodes.empty()) throw InputError("No " + name_ + " is given. Name a point on the surface.");

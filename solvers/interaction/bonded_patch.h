@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "assembly/scene.h"
+#include "assembly/body.h"
 #include "interaction/interaction.h"
 #include "interaction/interaction_list.h"
 #include "mesh/surface_patch.h"
@@ -34,12 +34,12 @@ class BondedPatch final : public Interaction {
 /// Tools that are bonded to one point each, in the points' order.
 [[nodiscard]] InteractionList bond_nodes(const std::vector<Index>& nodes);
 
-/// Patches of one radius on a scene.
+/// Patches of one radius on a body.
 class BondedPatches {
  public:
   /// @param radius See SurfacePatches::around, m; 0 bonds the nodes alone.
   /// @param name What errors call a node.
-  BondedPatches(const Scene& scene, double radius, std::string name = "active node");
+  BondedPatches(const Body& body, double radius, std::string name = "active node");
 
   /// A tool that is bonded to the patch around a node.
   /// @throws InputError the node does not exist, is in no cell, inside the body or fixed; the patch

@@ -85,27 +85,27 @@ int divisions_for_spacing(double spacing, double longest) {
 
 }  // namespace
 
-ContactSurface::ContactSurface(const Scene& scene, double spacing)
-    : ContactSurface(scene,
+ContactSurface::ContactSurface(const Body& body, double spacing)
+    : ContactSurface(body,
                      [&](double longest) { return divisions_for_spacing(spacing, longest); }) {}
 
-ContactSurface ContactSurface::divided(const Scene& scene, int divisions) {
+ContactSurface ContactSurface::divided(const Body& body, int divisions) {
   if (divisions < 1 || divisions > kMostDivisions) {
     throw InputError("The edges of the surface are to be divided into " +
                      std::to_string(divisions) + " parts to integrate contact; this must be 1 to " +
                      std::to_string(kMostDivisions) + ".");
   }
-  return {scene, [&](double /*longest*/) { return divisions; }};
+  return {body, [&](double /*longest*/) { return divisions; }};
 }
 
-ContactSurface::ContactSurface(const Scene& scene,
+ContactSurface::ContactSurface(const Body& body,
                                const std::function<int(double longest)>& divisions_for)
-    : nodes_per_face_(palpate::nodes_per_face(scene.mesh.order)), points_(scene.mesh.points) {
-  const std::vector<Index> faces = boundary_faces(scene.mesh);
+    : nodes_per_face_(palpate::nodes_per_face(body.mesh.order)), points_(body.mesh.points) {
+  const std::vector<Index> faces = boundary_faces(body.mesh);
   const auto per_face = static_cast<std::size_t>(nodes_per_face_);
   for (std::size_t first = 0; first < faces.size(); first += per_face) {
     const Index* face = faces.data() + first;
-    if (std::all_of(face, face + per_face, [&](Index p) { return scene.fixed[p] != 0; })) continue;
+    if (std::all_of(face, face + per_face, [&](Index p) { return body.fixed[p] != 0; })) continue;
     double longest = 0;
     Eigen::Matrix3Xd places(3, nodes_per_face_);
     for (int a = 0; a < nodes_per_face_; ++a) places.col(a) = points_[face[a]];

@@ -10,7 +10,7 @@
 #include <map>
 #include <vector>
 
-#include "assembly/scene.h"
+#include "assembly/body.h"
 
 namespace palpate {
 
@@ -23,10 +23,10 @@ class ContactSurface {
   /// @param spacing The largest distance of neighbouring points of integration, roughly, m.
   /// @throws InputError the spacing is not positive, or so small that a face has more than
   ///   kMostDivisions.
-  ContactSurface(const Scene& scene, double spacing);
+  ContactSurface(const Body& body, double spacing);
   /// The same faces, each divided into divisions² triangles however large it is.
   /// @throws InputError the number of divisions is not within 1 … kMostDivisions.
-  [[nodiscard]] static ContactSurface divided(const Scene& scene, int divisions);
+  [[nodiscard]] static ContactSurface divided(const Body& body, int divisions);
 
   /// The largest number of parts that an edge is divided into.
   static constexpr int kMostDivisions = 64;
@@ -61,7 +61,7 @@ class ContactSurface {
  private:
   /// @param divisions_for Gives the number of parts of each edge of a face whose longest edge has a
   ///   length, m.
-  ContactSurface(const Scene& scene, const std::function<int(double longest)>& divisions_for);
+  ContactSurface(const Body& body, const std::function<int(double longest)>& divisions_for);
 
   int nodes_per_face_;
   std::vector<Vec3> points_;

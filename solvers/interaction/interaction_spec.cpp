@@ -7,9 +7,10 @@
 
 namespace palpate {
 
-InteractionSpec bonded_patch_spec(const Scene& scene, Index node, double tip_radius) {
+InteractionSpec bonded_patch_spec(const TetMesh& mesh, const SettledBody& at_rest, Index node,
+                                  double tip_radius) {
   InteractionSpec spec;
-  spec.material_point = place_at_rest(scene, node);
+  spec.material_point = place_at_rest(mesh, at_rest, node);
   spec.active_node = node;
   spec.tip_radius = tip_radius;
   return spec;
@@ -37,12 +38,12 @@ std::shared_ptr<const ToolClearance> InteractionFactory::clearance(const Interac
 }
 
 const BondedPatches& InteractionFactory::patches(double radius) {
-  return bonded_patches_.try_emplace(radius, scene_, radius).first->second;
+  return bonded_patches_.try_emplace(radius, body_, radius).first->second;
 }
 
 InteractionFactory::Rigid& InteractionFactory::rigid(const RigidTool& tool) {
   if (!rigid_ || !(rigid_->tool == tool)) {
-    rigid_.emplace(Rigid{tool, make_contact(scene_, tool), nullptr});
+    rigid_.emplace(Rigid{tool, make_contact(body_, tool), nullptr});
   }
   return *rigid_;
 }
@@ -50,7 +51,7 @@ InteractionFactory::Rigid& InteractionFactory::rigid(const RigidTool& tool) {
 std::shared_ptr<const ToolClearance> InteractionFactory::clearance_of(const RigidTool& tool) {
   Rigid& of = rigid(tool);
   if (of.clearance == nullptr) {
-    of.clearance = std::make_shared<const ToolClearance>(scene_, of.contact);
+    of.clearance = std::make_shared<const ToolClearance>(body_, at_rest_, of.contact);
   }
   return of.clearance;
 }

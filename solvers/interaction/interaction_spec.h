@@ -49,17 +49,21 @@ struct InteractionSpec {
   }
 };
 
-/// The spec of a tool that is bonded to the patch around a node of a scene, which is there.
-[[nodiscard]] InteractionSpec bonded_patch_spec(const Scene& scene, Index node, double tip_radius);
+/// The spec of a tool that is bonded to the patch around a node of a mesh, which is there.
+/// @param at_rest The body at rest under its loads.
+[[nodiscard]] InteractionSpec bonded_patch_spec(const TetMesh& mesh, const SettledBody& at_rest,
+                                                Index node, double tip_radius);
 
 /// The spec of a rigid tool that presses the body anywhere, and whose coordinates are the place of
 /// its centre.
 [[nodiscard]] InteractionSpec rigid_contact_spec(RigidTool tool);
 
-/// Makes the tools of one scene, which it copies.
+/// Makes the tools of one body, which it copies.
 class InteractionFactory {
  public:
-  explicit InteractionFactory(Scene scene) : scene_(std::move(scene)) {}
+  /// @param at_rest The body at rest under its loads.
+  explicit InteractionFactory(Body body, SettledBody at_rest = {})
+      : body_(std::move(body)), at_rest_(std::move(at_rest)) {}
 
   /// @throws InputError the tool cannot be at its place, see BondedPatches::around(), or the rigid
   ///   tool is not valid, see make_contact().
@@ -83,7 +87,8 @@ class InteractionFactory {
   };
   Rigid& rigid(const RigidTool& tool);
 
-  Scene scene_;
+  Body body_;
+  SettledBody at_rest_;
   std::optional<Rigid> rigid_;
   /// The patches that were made, by radius.
   std::map<double, BondedPatches> bonded_patches_;

@@ -32,7 +32,7 @@ double contact_modulus(const Material& material) {
 /// mean_youngs_modulus().
 template <class Modulus>
 double mean_of_surface(const Scene& scene, const Modulus& modulus) {
-  const TetMesh& mesh = scene.mesh;
+  const TetMesh& mesh = scene.body.mesh;
   std::vector<Index> cells;
   const std::vector<Index> faces = boundary_faces(mesh, &cells);
   const auto per_face = static_cast<std::size_t>(nodes_per_face(mesh.order));
@@ -45,16 +45,16 @@ double mean_of_surface(const Scene& scene, const Modulus& modulus) {
       const Vec3& a = mesh.points[face[0]];
       const double of_face = (mesh.points[face[1]] - a).cross(mesh.points[face[2]] - a).norm();
       const std::size_t material =
-          scene.material_of_cell.empty()
+          scene.body.material_of_cell.empty()
               ? 0
               : static_cast<std::size_t>(
-                    scene.material_of_cell[static_cast<std::size_t>(cells[f])]);
+                    scene.body.material_of_cell[static_cast<std::size_t>(cells[f])]);
       area += of_face;
-      sum += of_face * modulus(scene.materials[material]);
+      sum += of_face * modulus(scene.organ.materials[material]);
     }
   };
-  add_faces([&](Index p) { return scene.touchable[p] != 0; });
-  if (area == 0) add_faces([&](Index p) { return scene.fixed[p] == 0; });
+  add_faces([&](Index p) { return scene.body.touchable[p] != 0; });
+  if (area == 0) add_faces([&](Index p) { return scene.body.fixed[p] == 0; });
   if (area == 0) add_faces([](Index /*p*/) { return true; });
   return sum / area;
 }
@@ -112,12 +112,12 @@ RigidTool with_defaults(RigidTool tool, const Scene& scene) {
   return tool;
 }
 
-RigidContact make_contact(const Scene& scene, const RigidTool& tool) {
+RigidContact make_contact(const Body& body, const RigidTool& tool) {
   RigidShapePtr shape = shape_kind(tool.shape).make(tool);
   validate(tool.law);
-  check_size(scene.mesh, tool, *shape);
+  check_size(body.mesh, tool, *shape);
   auto surface =
-      std::make_shared<const ContactSurface>(scene, kSpacingOfThickness * tool.law.thickness);
+      std::make_shared<const ContactSurface>(body, kSpacingOfThickness * tool.law.thickness);
   return {std::move(surface), std::move(shape), tool.law,
           motion_kind(tool.motion).make(tool.motion_numbers)};
 }

@@ -80,7 +80,7 @@ inline constexpr double kCalibratedDepth = 0.07;
 /// @throws InputError the shape or the motion is not valid, see make_capsule() and RigidSurface;
 ///   the thickness or the stiffness is not positive; or the layer is too thin for the mesh, see
 ///   ContactSurface.
-[[nodiscard]] RigidContact make_contact(const Scene& scene, const RigidTool& tool);
+[[nodiscard]] RigidContact make_contact(const Body& body, const RigidTool& tool);
 
 /// The name of the tool, for a message: "the sphere of radius 0.01 m".
 [[nodiscard]] std::string name_of(const RigidTool& tool);

@@ -43,15 +43,16 @@ std::vector<RigidShape::Ball> turned(std::vector<RigidShape::Ball> balls, const 
 
 }  // namespace
 
-ToolClearance::ToolClearance(const Scene& scene, const RigidContact& contact)
+ToolClearance::ToolClearance(const Body& body, const SettledBody& at_rest,
+                             const RigidContact& contact)
     : shape_(contact.shape_ptr()),
       rotation_(rotation_of(contact.pose())),
       surface_(contact.surface_ptr()),
       margin_(contact.law().reach() + 2 * shape_->error()),
-      body_(points_at_rest(scene), boundary_triangles(scene.mesh)),
+      body_(points_at_rest(body.mesh, at_rest), boundary_triangles(body.mesh)),
       balls_(turned(shape_->balls(), rotation_)),
       is_large_(2 * shape_->bounding_radius() > body_.bounds().diagonal().norm()),
-      points_(contact.surface().places(points_at_rest(scene))),
+      points_(contact.surface().places(points_at_rest(body.mesh, at_rest))),
       tree_(boxes_of(points_)) {
   std::vector<Vec3> in_order;
   in_order.reserve(points_.size());

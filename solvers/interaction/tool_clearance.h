@@ -14,7 +14,7 @@
 #include <optional>
 #include <vector>
 
-#include "assembly/scene.h"
+#include "assembly/body.h"
 #include "interaction/contact_surface.h"
 #include "interaction/rigid_contact.h"
 #include "mesh/box_tree.h"
@@ -24,11 +24,11 @@ namespace palpate {
 
 class ToolClearance {
  public:
-  /// @param scene It must have the body at rest, if it has a body force.
+  /// @param at_rest The body at rest under its loads.
   /// @param contact The contact of the tool with this body.
   /// @throws InputError the tool turns as it moves, or its coordinates are not the place of its
   ///   centre.
-  ToolClearance(const Scene& scene, const RigidContact& contact);
+  ToolClearance(const Body& body, const SettledBody& at_rest, const RigidContact& contact);
 
   /// A distance, m, by which the tool at q may be moved in any direction without touching the body
   /// at rest: nothing is in its layer of contact then. Not positive: the tool may touch the body.

@@ -31,8 +31,8 @@ class ToolKind {
   /// The shape by which the tool is shown.
   [[nodiscard]] virtual RigidTool shown_shape(const InteractionSpec& spec) const = 0;
 
-  /// Makes the tool. @param of The factory of the scene, with the parts that it has made already.
-  /// @throws InputError the tool cannot be in that scene, see InteractionFactory::make().
+  /// Makes the tool. @param of The factory of the body, with the parts that it has made already.
+  /// @throws InputError the tool cannot be on that body, see InteractionFactory::make().
   [[nodiscard]] virtual std::unique_ptr<Interaction> make(const InteractionSpec& spec,
                                                           InteractionFactory& of) const = 0;
   /// The places where the tool touches nothing; null: it acts wherever it is.

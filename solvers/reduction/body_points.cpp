@@ -30,19 +30,19 @@ Gradients gradients_at(const TetMesh& mesh, Index cell, const Vec3& xi) {
 
 BodyPoints::BodyPoints(const Scene& scene, NodalVector rest)
     : scene_(scene), rest_(std::move(rest)) {
-  const std::vector<QuadraturePoint>& rule = quadrature(scene.mesh.order);
+  const std::vector<QuadraturePoint>& rule = quadrature(scene.body.mesh.order);
   points_of_cell_ = static_cast<Index>(rule.size());
-  weights_.resize(Eigen::Index{points_of_cell_} * scene.mesh.num_cells());
-  for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
+  weights_.resize(Eigen::Index{points_of_cell_} * scene.body.mesh.num_cells());
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
     for (Index q = 0; q < points_of_cell_; ++q) {
       weights_[Eigen::Index{c} * points_of_cell_ + q] =
-          rule[q].weight * gradients_at(scene.mesh, c, rule[q].xi).jacobian;
+          rule[q].weight * gradients_at(scene.body.mesh, c, rule[q].xi).jacobian;
     }
   }
 }
 
 Index BodyPoints::material_of(Index point) const {
-  return scene_.material_of_cell.empty() ? 0 : scene_.material_of_cell[point / points_of_cell_];
+  return scene_.body.material_of(point / points_of_cell_);
 }
 
 BodyPoints::Reduced BodyPoints::reduce(const Eigen::MatrixXd& basis,
@@ -51,7 +51,7 @@ BodyPoints::Reduced BodyPoints::reduce(const Eigen::MatrixXd& basis,
   // The indices in `chosen` of the points of each law.
   std::map<Law, std::vector<Index>> of_law;
   for (Index i = 0; i < static_cast<Index>(chosen.size()); ++i) {
-    const Material& material = scene_.materials[material_of(chosen[i])];
+    const Material& material = scene_.organ.materials[material_of(chosen[i])];
     of_law[law_of_energy(material.law)].push_back(i);
   }
   Reduced reduced;
@@ -72,13 +72,14 @@ BodyPoints::Reduced BodyPoints::reduce(const Eigen::MatrixXd& basis,
   points.weights.setZero(static_cast<Eigen::Index>(points.material.size()));
   points.gradients.setZero(rows * points.num_packets(), basis.cols());
   if (rest_.size() > 0) points.rest_gradients.setZero(points.gradients.rows());
-  const std::vector<QuadraturePoint>& rule = quadrature(scene_.mesh.order);
+  const std::vector<QuadraturePoint>& rule = quadrature(scene_.body.mesh.order);
   const auto put = [&](Index point, Eigen::Index place) {
     const Index cell = point / points_of_cell_;
-    const Gradients gradients = gradients_at(scene_.mesh, cell, rule[point % points_of_cell_].xi);
+    const Gradients gradients =
+        gradients_at(scene_.body.mesh, cell, rule[point % points_of_cell_].xi);
     const Eigen::Index first = place / kPacketSize * rows + place % kPacketSize;
     for (Eigen::Index a = 0; a < gradients.of_nodes.rows(); ++a) {
-      const Eigen::Index row = 3 * Eigen::Index{scene_.mesh.cell(cell)[a]};
+      const Eigen::Index row = 3 * Eigen::Index{scene_.body.mesh.cell(cell)[a]};
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
           const Eigen::Index at = first + (3 * i + j) * kPacketSize;

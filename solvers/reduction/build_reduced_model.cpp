@@ -74,23 +74,24 @@ void require_at_most(double most, double number, const char* names, const char* 
 }
 
 void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies) {
-  for (const Material& material : scene.materials) {
+  for (const Material& material : scene.organ.materials) {
     if (material.formulation == Formulation::displacement) continue;
     throw InputError("The material " + to_string(material.law) + " with Poisson's ratio " +
                      quantity(poissons_ratio(material)) +
                      " has a pressure of its own, which a reduced model has not. Choose a "
                      "compressible law with a ratio of at most 0.45.");
   }
-  if (rheologies.size() != scene.materials.size()) {
+  if (rheologies.size() != scene.organ.materials.size()) {
     throw InputError("There are " + std::to_string(rheologies.size()) + " rheologies for " +
-                     std::to_string(scene.materials.size()) + " materials. Give one for each.");
+                     std::to_string(scene.organ.materials.size()) +
+                     " materials. Give one for each.");
   }
   for (const Rheology& rheology : rheologies) validate(rheology);
 }
 
 /// A pressure that follows the surface would add an energy that is not quadratic.
 void check_loads(const Scene& scene) {
-  if (scene.applied_pressure.empty()) return;
+  if (scene.body.applied_pressure.empty()) return;
   throw InputError(
       "A reduced model bears no AppliedPressure, which follows the surface: its error would not be "
       "what it tells. Take Solve Dynamics or Precompute State Space, or give the surface an "
@@ -182,8 +183,8 @@ class Training {
   void add(const std::string& name, std::size_t place, int num_tools,
            std::function<TrainingStates()> compute) {
     parts_.push_back({name + std::to_string(parts_.size()), Index{3} * num_tools,
-                      3 * Eigen::Index{scene_.mesh.num_points()},
-                      kMostDisplacement * size_of(scene_.mesh), std::move(compute)});
+                      3 * Eigen::Index{scene_.body.mesh.num_points()},
+                      kMostDisplacement * size_of(scene_.body.mesh), std::move(compute)});
     place_of_part_.push_back(place);
   }
 
@@ -213,9 +214,9 @@ class Builder {
         num_tools_(static_cast<int>(tools.size())),
         solver_(with_gravity(scene, rheologies, options.gravity), options.equilibrium),
         points_(scene_, find_rest()),
-        springs_(springs_of(scene_, solver_.assembly())),
+        springs_(springs_of(scene_.body, solver_.assembly())),
         stiffness_(solver_.assembly(), points_.rest(), springs_ ? &*springs_ : nullptr),
-        modes_(stiffness_, 3 * Eigen::Index{scene_.mesh.num_points()}) {
+        modes_(stiffness_, 3 * Eigen::Index{scene_.body.mesh.num_points()}) {
     for (const BondedPatch& tool : tools) tools_.add(tool);
     solver_.set_interaction(tools_);
   }
@@ -228,7 +229,7 @@ class Builder {
     const Eigen::Index n = modes_.modes().cols();
     result_.basis.resize(rest.u.size(), n + tool_responses_.cols());
     result_.basis << modes_.modes(), tool_responses_;
-    hold_directions(scene_, result_.basis);
+    hold_directions(scene_.body, result_.basis);
     result_.rest = points_.rest();
     Eigen::MatrixXd states(result_.basis.cols(), states_.tools.cols());
     states << modes_.coordinates(beside_tools(states_)), states_.tools;
@@ -389,7 +390,7 @@ ReducedModel make_reduced_model(const Scene& scene, const std::vector<Rheology>&
   ReducedModel model;
   model.num_tool_coordinates = static_cast<Index>(tool_stiffness.rows());
   model.num_modes = static_cast<Index>(basis.cols()) - model.num_tool_coordinates;
-  model.materials = scene.materials;
+  model.materials = scene.organ.materials;
   model.rheologies = rheologies;
   model.points = BodyPoints(scene, rest).reduce(basis, points, weights).points;
   model.tool_stiffness = 0.5 * (tool_stiffness + tool_stiffness.transpose());
@@ -397,12 +398,12 @@ ReducedModel make_reduced_model(const Scene& scene, const std::vector<Rheology>&
   if (has_density(rheologies)) {
     std::vector<double> densities;
     for (const Rheology& rheology : rheologies) densities.push_back(rheology.density);
-    const MassMatrix mass(scene, densities, Assembly(scene));
+    const MassMatrix mass(scene.body, densities, Assembly(scene));
     model.mass = in_basis(basis, [&](const auto& field) { return mass.times(field); });
   }
-  if (!scene.support_stiffness.empty()) {
+  if (!scene.body.support_stiffness.empty()) {
     const Assembly assembly(scene);
-    const std::optional<PointMatrix> springs = springs_of(scene, assembly);
+    const std::optional<PointMatrix> springs = springs_of(scene.body, assembly);
     model.support_stiffness =
         in_basis(basis, [&](const auto& field) { return springs->times(field); });
   }
@@ -428,7 +429,7 @@ void choose_model_points(const Scene& scene, const std::vector<Rheology>& rheolo
   of_points.max_points = options.max_points;
   of_points.seed = options.seed;
   const HyperReduction chosen =
-      hyper_reduce(points, scene.materials, built.basis, tool_stiffness, states, of_points);
+      hyper_reduce(points, scene.organ.materials, built.basis, tool_stiffness, states, of_points);
   built.points = chosen.points;
   built.residual = chosen.residual;
   built.within_tolerance = chosen.converged;
@@ -474,8 +475,8 @@ void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies
   validate(options);
   check_materials(scene, rheologies);
   check_loads(scene);
-  check_resolved(scene.mesh, "The option Reach", options.reach);
-  require(options.reach <= kMostReach * size_of(scene.mesh), "Reach", options.reach,
+  check_resolved(scene.body.mesh, "The option Reach", options.reach);
+  require(options.reach <= kMostReach * size_of(scene.body.mesh), "Reach", options.reach,
           "it must be at most ten times the size of the body, in m.");
   if (options.gravity.isZero(0)) return;
   Scene under_gravity = with_gravity(scene, rheologies, options.gravity);

@@ -103,7 +103,7 @@ KeptModel kept_model_of(const storage::Arrays& arrays, const Scene& scene) {
     return found->second;
   };
   kept.basis =
-      find("Basis", 3 * Eigen::Index{scene.mesh.num_points()}, kept.model.num_coordinates());
+      find("Basis", 3 * Eigen::Index{scene.body.mesh.num_points()}, kept.model.num_coordinates());
   if (kept.model.points.rest_gradients.size() > 0) kept.rest = find("Rest", kept.basis.rows(), 1);
   const Eigen::MatrixXd fit = find("Fit", 1, 2);
   kept.residual = fit(0, 0);
@@ -163,7 +163,7 @@ TrainedPlaces trained_of(const storage::Arrays& arrays) {
 /// their rheology alone.
 std::string rheology_of_cells(const Scene& scene, const std::vector<Rheology>& rheologies) {
   ContentHash hash;
-  for (const Index material : scene.material_of_cell) {
+  for (const Index material : scene.body.material_of_cell) {
     hash.add(values_of(rheologies.at(static_cast<std::size_t>(material))));
   }
   return hash.text();
@@ -206,15 +206,14 @@ std::string checksum(const std::string& text) {
   return key.str();
 }
 
-/// The scene with its rest under loads of its surface, as a file of it needs it.
-Scene with_rest(Scene scene, EquilibriumOptions options) {
-  if (!scene.has_load()) return scene;
+/// The body at rest under its loads, as a file of the scene needs it.
+SettledBody find_rest(const Scene& scene, EquilibriumOptions options) {
+  if (!scene.has_load()) return {};
   // This takes a few factorisations, so nobody needs to abort it.
   options.abort_requested = nullptr;
   const EquilibriumSolver solver(scene, options);
   require_rest(solver);
-  scene.settled = {solver.settled().u, solver.settled().p};
-  return scene;
+  return {solver.settled().u, solver.settled().p};
 }
 
 /// Whether the file has the result of the training at the places.
@@ -333,7 +332,8 @@ KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheo
         try {
           const bool is_new = !std::filesystem::exists(path);
           file.emplace(StateSpaceFile::open_or_create(
-              path, is_new ? with_rest(scene, options.equilibrium) : scene, tolerance));
+              path, scene, tolerance,
+              is_new ? find_rest(scene, options.equilibrium) : SettledBody()));
         } catch (const BackendError& error) {
           if (!kept.was_there && !has_places(path, scene, rheologies, tools, options)) throw;
           not_kept = error.what();

@@ -40,11 +40,11 @@ Eigen::MatrixXd RestStiffness::times(const Eigen::MatrixXd& x) const {
   return result;
 }
 
-void hold_directions(const Scene& scene, Eigen::MatrixXd& basis) {
-  for (std::size_t p = 0; p < scene.held_directions.size(); ++p) {
-    if (scene.held_directions[p].isZero(0)) continue;
+void hold_directions(const Body& body, Eigen::MatrixXd& basis) {
+  for (std::size_t p = 0; p < body.held_directions.size(); ++p) {
+    if (body.held_directions[p].isZero(0)) continue;
     auto rows = basis.middleRows<3>(3 * static_cast<Eigen::Index>(p));
-    rows = (projector(scene.held_directions[p]) * rows).eval();
+    rows = (projector(body.held_directions[p]) * rows).eval();
   }
 }
 

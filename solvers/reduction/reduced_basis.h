@@ -32,7 +32,7 @@ class RestStiffness {
 /// Removes rounding from a basis along directions in which points are held: a mode of little energy
 /// is scaled up, and its rounding with it.
 /// @param basis [3 num_points × any].
-void hold_directions(const Scene& scene, Eigen::MatrixXd& basis);
+void hold_directions(const Body& body, Eigen::MatrixXd& basis);
 
 /// Makes modes group by group.
 class ModeBuilder {

@@ -155,7 +155,7 @@ TrainedPlaces modes_of_places(const Scene& scene, const std::vector<Rheology>& r
   EquilibriumSolver solver(with_gravity(scene, rheologies, options.gravity), of_rest);
   require_rest(solver);
   const NodalVector rest = solver.settled().u;
-  const std::optional<PointMatrix> springs = springs_of(scene, solver.assembly());
+  const std::optional<PointMatrix> springs = springs_of(scene.body, solver.assembly());
   const RestStiffness stiffness(solver.assembly(), rest, springs ? &*springs : nullptr);
   GroupOfPlaces still;
   GroupOfPlaces moving;
@@ -173,7 +173,7 @@ TrainedPlaces modes_of_places(const Scene& scene, const std::vector<Rheology>& r
                      " places of training does the body follow the tools. Let them go less far "
                      "(Reach).");
   }
-  const Eigen::Index rows = 3 * Eigen::Index{scene.mesh.num_points()};
+  const Eigen::Index rows = 3 * Eigen::Index{scene.body.mesh.num_points()};
   const auto most = Eigen::Index{options.place_modes} * static_cast<Eigen::Index>(places.size());
   ModeBuilder builder(stiffness, rows);
   const double share = moving.empty() ? 1 : kStillShare;
@@ -195,7 +195,7 @@ TrainedPlaces modes_of_places(const Scene& scene, const std::vector<Rheology>& r
 
 /// @throws InputError the sizes in the training do not fit the scene.
 const TrainedPlaces& of_scene(const TrainedPlaces& trained, const Scene& scene) {
-  const Eigen::Index rows = 3 * Eigen::Index{scene.mesh.num_points()};
+  const Eigen::Index rows = 3 * Eigen::Index{scene.body.mesh.num_points()};
   if (trained.modes.rows() != rows || trained.states.rows() != trained.modes.cols() ||
       trained.tools.cols() != trained.states.cols() ||
       (trained.rest.size() > 0 && trained.rest.size() != rows)) {
@@ -241,13 +241,13 @@ class PlacedTools::Impl {
         rheologies_(rheologies),
         trained_(of_scene(trained, scene)),
         assembly_(scene),
-        constraints_(scene, assembly_),
-        springs_(springs_of(scene, assembly_)),
+        constraints_(scene.body, assembly_),
+        springs_(springs_of(scene.body, assembly_)),
         points_(scene, trained.rest),
         stiffness_(assembly_, trained.rest, springs_ ? &*springs_ : nullptr) {
     rest_state_.setZero(assembly_.state_size());
     if (trained.rest.size() > 0) rest_state_.head(trained.rest.size()) = trained.rest;
-    PieceSupport(scene.mesh, holding_points(scene)).require_held({});
+    PieceSupport(scene.body.mesh, holding_points(scene.body)).require_held({});
     std::vector<double> values;
     (void)assembly_.tangent(rest_state_, rest_force_, values);
     if (springs_) springs_->add_to(1, values);
@@ -256,7 +256,7 @@ class PlacedTools::Impl {
     if (has_density(rheologies)) {
       std::vector<double> densities;
       for (const Rheology& rheology : rheologies) densities.push_back(rheology.density);
-      mass_.emplace(scene, densities, assembly_);
+      mass_.emplace(scene.body, densities, assembly_);
     }
     solver_ = make_linear_solver();
     solver_->analyse(assembly_.pattern());
@@ -303,7 +303,7 @@ class PlacedTools::Impl {
     placed.motion_modes = static_cast<Index>(n) - placed.one_tool_modes;
     placed.basis.resize(trained_.modes.rows(), n + d);
     placed.basis << builder.modes(), held.responses;
-    hold_directions(scene_, placed.basis);
+    hold_directions(scene_.body, placed.basis);
     placed.rest = trained_.rest;
     // Remove rounding at the points of the tools.
     for (Eigen::Index i = 0; i < held.rigid.rows(); ++i) {
@@ -356,9 +356,9 @@ class PlacedTools::Impl {
     Held held;
     held.rigid.setZero(3 * static_cast<Eigen::Index>(points.size()),
                        3 * static_cast<Eigen::Index>(tools.size()));
-    std::vector<char> taken(scene_.mesh.points.size(), 0);
+    std::vector<char> taken(scene_.body.mesh.points.size(), 0);
     for (const PrescribedPoint& at : points) {
-      const bool exists = at.point >= 0 && at.point < scene_.mesh.num_points();
+      const bool exists = at.point >= 0 && at.point < scene_.body.mesh.num_points();
       if (!exists || assembly_.unknown_of_point()[at.point] < 0 || constraints_.holds(at.point)) {
         throw InputError("A tool cannot be attached to point " + std::to_string(at.point) +
                          ": it does not exist, is in no cell, is fixed or has a HeldDirection. "

@@ -31,11 +31,11 @@ const Configuration* ToolSpace::find(const CheckPoint& check_point, std::int32_t
   return found != configurations.end() && !(key < *found) ? &*found : nullptr;
 }
 
-const ToolSpace* StateSpace::find(ToolSpaceId id) const {
-  const auto found =
-      std::lower_bound(tool_spaces.begin(), tool_spaces.end(), id,
-                       [](const ToolSpace& space, ToolSpaceId of) { return space.setup.id < of; });
-  return found != tool_spaces.end() && found->setup.id == id ? &*found : nullptr;
+const ToolSpace* StateSpace::find(const ToolSpaceKey& key) const {
+  const auto found = std::lower_bound(
+      tool_spaces.begin(), tool_spaces.end(), key,
+      [](const ToolSpace& space, const ToolSpaceKey& of) { return space.setup.key() < of; });
+  return found != tool_spaces.end() && found->setup.key() == key ? &*found : nullptr;
 }
 
 std::string describe(const CheckPoint& c) {
@@ -51,7 +51,7 @@ std::string describe(const ConfigurationSummary& summary, const std::string& too
 
 void sort(StateSpace& space) {
   std::sort(space.tool_spaces.begin(), space.tool_spaces.end(),
-            [](const ToolSpace& a, const ToolSpace& b) { return a.setup.id < b.setup.id; });
+            [](const ToolSpace& a, const ToolSpace& b) { return a.setup.key() < b.setup.key(); });
   for (ToolSpace& tool_space : space.tool_spaces) {
     std::sort(tool_space.configurations.begin(), tool_space.configurations.end());
     std::sort(tool_space.intermediate_states.begin(), tool_space.intermediate_states.end());

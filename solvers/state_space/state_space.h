@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A state space: the configurations of a scene, tool space by tool space [P07, 3.2].
+// A state space: the configurations of an organ, tool space by tool space [P07, 3.2].
 //
 // [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
 #pragma once
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "assembly/scene.h"
+#include "state_space/space_body.h"
 #include "state_space/tool_space.h"
 
 namespace palpate {
@@ -33,16 +33,18 @@ void count_from_rest(const SettledBody& settled, Configuration& configuration);
 void count_from_mesh(const SettledBody& settled, Configuration& configuration);
 
 struct StateSpace {
-  Scene scene;
-  /// The result of hash(scene).
-  std::string scene_hash;
+  /// The bodies in the order of their numbers, one at least.
+  std::vector<SpaceBody> bodies;
   /// Tolerance of the equilibria, without unit: see ConfigurationSummary::residual.
   double solver_tolerance = 0;
-  /// The tool spaces in the order of their numbers.
+  /// The tool spaces in the order of their keys.
   std::vector<ToolSpace> tool_spaces;
 
-  /// The tool space with this number, or nullptr.
-  [[nodiscard]] const ToolSpace* find(ToolSpaceId id) const;
+  [[nodiscard]] const SpaceBody& body(BodyId number = kFirstBody) const {
+    return find_body(bodies, number);
+  }
+  /// The tool space with this key, or nullptr.
+  [[nodiscard]] const ToolSpace* find(const ToolSpaceKey& key) const;
 };
 
 /// "(1, 0, -1)"

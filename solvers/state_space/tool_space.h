@@ -11,6 +11,7 @@
 #include "base/types.h"
 #include "interaction/interaction_spec.h"
 #include "state_space/configuration.h"
+#include "state_space/tool_space_key.h"
 
 namespace palpate {
 
@@ -114,32 +115,6 @@ struct ExplorationPolicy {
   return policy.tolerance * (policy.tolerance_is_relative ? largest_force(found) : 1);
 }
 
-/// The number of a body, which is one discretisation of an organ, within a file.
-using BodyId = std::int64_t;
-inline constexpr BodyId kFirstBody = 1;
-
-/// The number of a tool space within its body: the active node, if it has one.
-using ToolSpaceId = std::int64_t;
-/// The number that a rigid tool's space is given.
-inline constexpr ToolSpaceId kContactToolSpace = -1;
-
-/// The key of a tool space in a file.
-struct ToolSpaceKey {
-  ToolSpaceId id = 0;
-  BodyId body = kFirstBody;
-
-  /// Without a body, the tool space is one of the first body.
-  ToolSpaceKey(ToolSpaceId of_tool_space, BodyId of_body = kFirstBody)
-      : id(of_tool_space), body(of_body) {}
-};
-
-[[nodiscard]] inline bool operator<(const ToolSpaceKey& a, const ToolSpaceKey& b) {
-  return std::tie(a.body, a.id) < std::tie(b.body, b.id);
-}
-[[nodiscard]] inline bool operator==(const ToolSpaceKey& a, const ToolSpaceKey& b) {
-  return a.body == b.body && a.id == b.id;
-}
-
 struct ToolSpaceSetup {
   ToolSpaceId id = 0;
   InteractionSpec interaction;
@@ -171,23 +146,21 @@ struct ToolSpaceSetup {
 
 /// The key of a state: the tool space, the check-point, and the level of the equilibrium there.
 struct StateKey {
-  ToolSpaceId tool_space = 0;
+  ToolSpaceKey tool_space;
   CheckPoint check_point{};
   std::int32_t level = 0;
-  BodyId body = kFirstBody;
 };
 
 [[nodiscard]] inline StateKey key_of(const ToolSpaceKey& tool_space,
                                      const ConfigurationSummary& c) {
-  return {tool_space.id, c.check_point, c.level, tool_space.body};
+  return {tool_space, c.check_point, c.level};
 }
 [[nodiscard]] inline bool operator<(const StateKey& a, const StateKey& b) {
-  return std::tie(a.body, a.tool_space, a.check_point, a.level) <
-         std::tie(b.body, b.tool_space, b.check_point, b.level);
+  return std::tie(a.tool_space, a.check_point, a.level) <
+         std::tie(b.tool_space, b.check_point, b.level);
 }
 [[nodiscard]] inline bool operator==(const StateKey& a, const StateKey& b) {
-  return a.body == b.body && a.tool_space == b.tool_space && a.check_point == b.check_point &&
-         a.level == b.level;
+  return a.tool_space == b.tool_space && a.check_point == b.check_point && a.level == b.level;
 }
 
 }  // namespace palpate

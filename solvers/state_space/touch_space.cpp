@@ -5,13 +5,14 @@
 #include <memory>
 
 #include "interaction/tool_clearance.h"
+#include "state_space/shown_surface.h"
 
 namespace palpate {
 
-void add_clearance(const Scene& scene, TouchToolSpace& tool_space) {
+void add_clearance(const Body& body, const SettledBody& at_rest, TouchToolSpace& tool_space) {
   const InteractionSpec& interaction = tool_space.setup.interaction;
   if (!interaction.presses()) return;
-  add_clearance(InteractionFactory(scene).clearance(interaction), tool_space);
+  add_clearance(InteractionFactory(body, at_rest).clearance(interaction), tool_space);
 }
 
 void add_clearance(std::shared_ptr<const ToolClearance> clearance, TouchToolSpace& tool_space) {
@@ -25,11 +26,11 @@ void add_clearance(std::shared_ptr<const ToolClearance> clearance, TouchToolSpac
   };
 }
 
-const TouchToolSpace* TouchSpace::find(ToolSpaceId id) const {
+const TouchToolSpace* TouchSpace::find(const ToolSpaceKey& key) const {
   const auto found = std::lower_bound(
-      tool_spaces.begin(), tool_spaces.end(), id,
-      [](const TouchToolSpace& space, ToolSpaceId of) { return space.setup.id < of; });
-  return found != tool_spaces.end() && found->setup.id == id ? &*found : nullptr;
+      tool_spaces.begin(), tool_spaces.end(), key,
+      [](const TouchToolSpace& space, const ToolSpaceKey& of) { return space.setup.key() < of; });
+  return found != tool_spaces.end() && found->setup.key() == key ? &*found : nullptr;
 }
 
 const TouchToolSpace* TouchSpace::find_pressing() const {
@@ -39,13 +40,12 @@ const TouchToolSpace* TouchSpace::find_pressing() const {
   return found != tool_spaces.end() ? &*found : nullptr;
 }
 
-TouchSpace make_empty_touch_space(const Scene& scene, const std::string& scene_hash) {
+TouchSpace make_empty_touch_space(const std::vector<SpaceBody>& bodies) {
   TouchSpace space;
-  space.scene_hash = scene_hash;
-  space.surface = make_surface(scene.mesh);
-  for (Index p = 0; p < space.surface.num_points(); ++p) {
-    space.surface.points[p] = place_at_rest(scene, space.surface.mesh_points[p]);
-  }
+  std::vector<std::string> hashes;
+  for (const SpaceBody& body : bodies) hashes.push_back(body.hash);
+  space.scene_hash = join_hashes(hashes);
+  space.surface = surface_at_rest(bodies.front());
   return space;
 }
 

@@ -43,17 +43,19 @@ struct TouchToolSpace {
 /// Earlier versions took such a configuration for converged; here its outcome becomes
 /// Outcome::tool_inside.
 /// @throws InputError the tool is not valid, see make_contact() and ToolClearance.
-void add_clearance(const Scene& scene, TouchToolSpace& tool_space);
+void add_clearance(const Body& body, const SettledBody& at_rest, TouchToolSpace& tool_space);
 /// Does the same with a clearance that was made before.
 void add_clearance(std::shared_ptr<const ToolClearance> clearance, TouchToolSpace& tool_space);
 
 struct TouchSpace {
+  /// The result of join_hashes() for its bodies.
   std::string scene_hash;
   /// The file that has the fields; empty: there is none.
   std::string file;
-  /// The surface of the body at rest, from which displacements count.
+  /// The surface at rest that is shown and touched, from which displacements count: that of the
+  /// first body. Modes of other bodies are carried over to it, see shown_surface.h.
   Surface surface;
-  /// The tool spaces in the order of their numbers.
+  /// The tool spaces in the order of their keys.
   std::vector<TouchToolSpace> tool_spaces;
   /// What is damaged in the file, and so is missing here, see StateSpaceFile::left_out().
   std::vector<std::string> left_out;
@@ -65,15 +67,15 @@ struct TouchSpace {
   /// The same error of spacing · ∂u/∂t, m.
   double sensitivity_error = 0;
 
-  /// The tool space at an active node, or nullptr.
-  [[nodiscard]] const TouchToolSpace* find(ToolSpaceId id) const;
+  /// The tool space with a key, or nullptr.
+  [[nodiscard]] const TouchToolSpace* find(const ToolSpaceKey& key) const;
   /// The tool space whose tool presses the body anywhere, or nullptr. A space may have several:
   /// haptic rendering and display use the first one by number, which this function returns.
   [[nodiscard]] const TouchToolSpace* find_pressing() const;
 };
 
-/// The touch space of a scene, without tool spaces yet.
-/// @param scene_hash hash(scene).
-[[nodiscard]] TouchSpace make_empty_touch_space(const Scene& scene, const std::string& scene_hash);
+/// The touch space of some bodies, without tool spaces yet.
+/// @param bodies In the order of their numbers, one at least.
+[[nodiscard]] TouchSpace make_empty_touch_space(const std::vector<SpaceBody>& bodies);
 
 }  // namespace palpate

@@ -68,7 +68,7 @@ void write_scene(const Database& database, BodyId body, const Scene& scene,
   Statement insert(database, Table("scene").insert("ABORT"));
   insert.bind(body);
   insert.bind(nullptr, 0);  // It has no parent.
-  const TetMesh& mesh = scene.mesh;
+  const TetMesh& mesh = scene.body.mesh;
   insert.bind(hash(scene));
   insert.bind(solver_tolerance);
   insert.bind(static_cast<std::int64_t>(mesh.order));
@@ -76,47 +76,50 @@ void write_scene(const Database& database, BodyId body, const Scene& scene,
   insert.bind(std::int64_t{mesh.num_cells()});
   bind_array(insert, mesh.points);
   bind_array(insert, mesh.cells);
-  bind_array(insert, scene.material_of_cell);
-  bind_array(insert, scene.fixed);
-  bind_array(insert, scene.touchable);
-  insert.bind(rows::checksum(body, scene.touchable, solver_tolerance));
+  bind_array(insert, scene.body.material_of_cell);
+  bind_array(insert, scene.body.fixed);
+  bind_array(insert, scene.body.touchable);
+  insert.bind(rows::checksum(body, scene.body.touchable, solver_tolerance));
   insert.run();
   static_assert(max_parameters == 10, "as the columns of the table");
   Statement insert_material(database, Table("material").insert("ABORT"));
-  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+  for (std::size_t m = 0; m < scene.organ.materials.size(); ++m) {
     insert_material.bind(body);
     insert_material.bind(static_cast<std::int64_t>(m));
-    insert_material.bind(static_cast<std::int64_t>(scene.materials[m].law));
-    insert_material.bind(static_cast<std::int64_t>(scene.materials[m].formulation));
-    for (double p : scene.materials[m].parameters) insert_material.bind(p);
+    insert_material.bind(static_cast<std::int64_t>(scene.organ.materials[m].law));
+    insert_material.bind(static_cast<std::int64_t>(scene.organ.materials[m].formulation));
+    for (double p : scene.organ.materials[m].parameters) insert_material.bind(p);
     insert_material.run();
   }
 }
 
 /// @param scene It must have a load.
-void require_rest_of(const Scene& scene) {
-  if (scene.settled.u.size() == 3 * Eigen::Index{scene.mesh.num_points()}) return;
+void require_rest_of(const Scene& scene, const SettledBody& at_rest) {
+  if (at_rest.u.size() == 3 * Eigen::Index{scene.body.mesh.num_points()}) return;
   throw InputError(
       "The rest of the body under its load is needed to store its state space, and is not there. "
       "Find it first.");
 }
 
 /// Calls visit(name, array) for the arrays of what holds and loads the surface.
-template <class AnyScene, class Visit>
-void for_each_boundary_array(AnyScene& scene, const Visit& visit) {
-  visit("HeldDirection", scene.held_directions);
-  visit("SupportStiffness", scene.support_stiffness);
-  visit("AppliedPressure", scene.applied_pressure);
-  visit("AppliedTraction", scene.applied_traction);
+template <class AnyBody, class Visit>
+void for_each_boundary_array(AnyBody& body, const Visit& visit) {
+  visit("HeldDirection", body.held_directions);
+  visit("SupportStiffness", body.support_stiffness);
+  visit("AppliedPressure", body.applied_pressure);
+  visit("AppliedTraction", body.applied_traction);
 }
 constexpr char kRestDisplacement[] = "RestDisplacement";
 constexpr char kRestPressure[] = "RestPressure";
 
 /// The rest of a body is stored with the arrays of its surface.
-bool rests_in_boundary(const Scene& scene) { return scene.has_load() && !scene.has_body_force(); }
+bool rests_in_boundary(const Scene& scene) {
+  return scene.has_load() && !scene.organ.has_body_force();
+}
 
 /// @param scene It must have supports or loads of its surface.
-void write_boundary(const Database& database, BodyId body, const Scene& scene) {
+void write_boundary(const Database& database, BodyId body, const Scene& scene,
+                    const SettledBody& at_rest) {
   make_table(database, kBoundary);
   Statement insert(database, Table(kBoundary).insert("ABORT"));
   const auto write = [&](const std::string& name, const auto& array) {
@@ -129,34 +132,35 @@ void write_boundary(const Database& database, BodyId body, const Scene& scene) {
     insert.bind(numbers.data, numbers.bytes);
     insert.run();
   };
-  for_each_boundary_array(scene, [&](const char* name, const auto& array) {
+  for_each_boundary_array(scene.body, [&](const char* name, const auto& array) {
     if (!array.empty()) write(name, array);
   });
   if (!rests_in_boundary(scene)) return;
-  require_rest_of(scene);
-  write(kRestDisplacement, scene.settled.u);
-  write(kRestPressure, scene.settled.p);
+  require_rest_of(scene, at_rest);
+  write(kRestDisplacement, at_rest.u);
+  write(kRestPressure, at_rest.p);
 }
 
 /// @param scene It must have a body force.
-void write_body_force(const Database& database, BodyId body, const Scene& scene) {
-  require_rest_of(scene);
+void write_body_force(const Database& database, BodyId body, const Scene& scene,
+                      const SettledBody& at_rest) {
+  require_rest_of(scene, at_rest);
   make_table(database, kBodyForce);
   Statement insert(database, Table(kBodyForce).insert("ABORT"));
   insert.bind(body);
-  insert.bind(scene.body_force.data(), 3 * sizeof(double));
-  bind_array(insert, scene.densities);
-  bind_array(insert, scene.settled.u);
-  bind_array(insert, scene.settled.p);
-  insert.bind(rows::checksum(body, scene.settled));
+  insert.bind(scene.organ.body_force.data(), 3 * sizeof(double));
+  bind_array(insert, scene.organ.densities);
+  bind_array(insert, at_rest.u);
+  bind_array(insert, at_rest.p);
+  insert.bind(rows::checksum(body, at_rest));
   insert.run();
 }
 
 void write_body(const Database& database, BodyId body, const Scene& scene,
-                double solver_tolerance) {
+                const SettledBody& at_rest, double solver_tolerance) {
   write_scene(database, body, scene, solver_tolerance);
-  if (scene.has_body_force()) write_body_force(database, body, scene);
-  if (scene.has_supports_or_surface_loads()) write_boundary(database, body, scene);
+  if (scene.organ.has_body_force()) write_body_force(database, body, scene, at_rest);
+  if (scene.body.has_supports_or_surface_loads()) write_boundary(database, body, scene, at_rest);
 }
 
 }  // namespace
@@ -191,32 +195,28 @@ void Bodies::read_heads() {
   }
 }
 
-void Bodies::write_first(const Database& database, const Scene& scene, double solver_tolerance) {
-  write_body(database, kFirstBody, scene, solver_tolerance);
+void Bodies::write_first(const Database& database, const Scene& scene, const SettledBody& at_rest,
+                         double solver_tolerance) {
+  write_body(database, kFirstBody, scene, at_rest, solver_tolerance);
 }
 
 void Bodies::require_size(const Scene& scene) {
-  if (!is_too_large(scene.mesh.num_points(), scene.mesh.num_cells())) return;
-  throw InputError("The body has " + std::to_string(scene.mesh.num_points()) + " points and " +
-                   std::to_string(scene.mesh.num_cells()) +
+  if (!is_too_large(scene.body.mesh.num_points(), scene.body.mesh.num_cells())) return;
+  throw InputError("The body has " + std::to_string(scene.body.mesh.num_points()) + " points and " +
+                   std::to_string(scene.body.mesh.num_cells()) +
                    " cells: more than a state-space file can hold. Take a coarser mesh.");
 }
 
-BodyId Bodies::add(const Scene& scene) {
+BodyId Bodies::add(const Scene& scene, const SettledBody& at_rest) {
   if (const std::optional<BodyId> there = find(hash(scene))) return *there;
   require_size(scene);
+  require_one_organ(read(kFirstBody), scene);
   const Database& database = connection_.database();
-  if (scene.has_body_force() != has_table(database, kBodyForce) ||
-      scene.has_supports_or_surface_loads() != has_table(database, kBoundary)) {
-    throw InputError("The body cannot be added to " + quoted(connection_.path()) +
-                     ": it is loaded or held otherwise than those that are there. Give another "
-                     "file name.");
-  }
   const BodyId number = heads_.rbegin()->first + 1;
-  connection_.make_room(bytes_of_body(scene.mesh.num_points(), scene.mesh.num_cells()));
+  connection_.make_room(bytes_of_body(scene.body.mesh.num_points(), scene.body.mesh.num_cells()));
   connection_.before_change();
   sqlite::Transaction transaction(database);
-  write_body(database, number, scene, solver_tolerance());
+  write_body(database, number, scene, at_rest, solver_tolerance());
   transaction.commit();
   read_heads();
   return number;
@@ -247,22 +247,24 @@ Scene Bodies::read(BodyId body) const {
   const bool has_checksum = connection_.has_checksums();
   const auto& [number, stored_hash, tolerance, num_points, num_cells] = head(body);
   Scene scene;
-  scene.mesh = read_mesh(body);
-  const TetMesh& mesh = scene.mesh;
+  scene.body.mesh = read_mesh(body);
+  const TetMesh& mesh = scene.body.mesh;
   Statement select(database, std::string("SELECT fixed, touchable, ") +
                                  (has_checksum ? "checksum" : "NULL") +
                                  " FROM scene WHERE scene_id = ?");
   select.bind(body);
   select.step();
-  take_array(select, blobs::marks(num_points), database, "fixed", scene.fixed);
-  take_array(select, blobs::marks(num_points), database, "touchable", scene.touchable);
-  if (has_checksum && select.take_integer() != rows::checksum(body, scene.touchable, tolerance)) {
+  take_array(select, blobs::marks(num_points), database, "fixed", scene.body.fixed);
+  take_array(select, blobs::marks(num_points), database, "touchable", scene.body.touchable);
+  if (has_checksum &&
+      select.take_integer() != rows::checksum(body, scene.body.touchable, tolerance)) {
     connection_.damage().leave_out("where " + name_of_body(body) + " may be touched", "scene", 0);
-    std::fill(scene.touchable.begin(), scene.touchable.end(), char{0});
+    std::fill(scene.body.touchable.begin(), scene.body.touchable.end(), char{0});
   }
   read_materials(body, scene);
-  if (has_table(database, kBodyForce)) read_body_force(body, scene);
-  if (has_table(database, kBoundary)) read_boundary(body, scene);
+  SettledBody at_rest;
+  if (has_table(database, kBodyForce)) read_body_force(body, scene.organ, at_rest);
+  if (has_table(database, kBoundary)) read_boundary(body, scene, at_rest);
   if (hash(scene) != stored_hash) {
     throw_damaged(database.path(), "the scene has not the hash it was stored with");
   }
@@ -272,6 +274,18 @@ Scene Bodies::read(BodyId body) const {
     throw_damaged(database.path(), "a point of the body is none");
   }
   return scene;
+}
+
+std::vector<SpaceBody> Bodies::read_all() const {
+  std::vector<SpaceBody> all;
+  for (const auto& [number, head] : heads_) {
+    SpaceBody& body = all.emplace_back();
+    body.number = number;
+    body.scene = std::make_shared<const Scene>(read(number));
+    body.hash = head.hash;
+    body.at_rest = settled(number);
+  }
+  return all;
 }
 
 void Bodies::set_touchable(BodyId body, const std::vector<char>& touchable) const {
@@ -288,7 +302,7 @@ Index Bodies::num_pressures(BodyId body) const {
   const auto known = num_pressures_->find(body);
   if (known != num_pressures_->end()) return known->second;
   Scene scene;
-  scene.mesh = read_mesh(body);
+  scene.body.mesh = read_mesh(body);
   read_materials(body, scene);
   return (*num_pressures_)[body] = count_pressures(scene);
 }
@@ -297,14 +311,15 @@ const SettledBody& Bodies::settled(BodyId body) const {
   std::optional<SettledBody>& settled = read_[body].settled;
   if (settled) return *settled;
   Scene scene;
+  SettledBody at_rest;
   const Database& database = connection_.database();
   if (has_table(database, kBodyForce)) {
     read_materials(body, scene);
-    read_body_force(body, scene);
+    read_body_force(body, scene.organ, at_rest);
   } else if (has_table(database, kBoundary)) {
-    read_boundary(body, scene);
+    read_boundary(body, scene, at_rest);
   }
-  return *(settled = std::move(scene.settled));
+  return *(settled = std::move(at_rest));
 }
 
 const std::vector<Index>& Bodies::points_of(BodyId body, Keep keep) const {
@@ -342,7 +357,7 @@ void Bodies::read_materials(BodyId body, Scene& scene) const {
     select.bind(body);
     select.step();
     take_array(select, blobs::material_of_cell(head(body).num_cells), database, "material_of_cell",
-               scene.material_of_cell);
+               scene.body.material_of_cell);
   }
   Statement select(database, "SELECT " + Table("material").columns("law", "") +
                                  " FROM material WHERE scene_id = ? ORDER BY material");
@@ -357,7 +372,7 @@ void Bodies::read_materials(BodyId body, Scene& scene) const {
     std::array<double, max_parameters> parameters{};
     for (double& p : parameters) p = select.take_double();
     try {
-      Material& material = scene.materials.emplace_back(with_formulation(
+      Material& material = scene.organ.materials.emplace_back(with_formulation(
           make_material(static_cast<Law>(law), parameters), static_cast<Formulation>(formulation)));
       // The hash takes in all parameters as they were given, also those that the law does not have.
       material.parameters = parameters;
@@ -365,40 +380,40 @@ void Bodies::read_materials(BodyId body, Scene& scene) const {
       throw_damaged(connection_.path(), std::string("a material is none: ") + error.what());
     }
   }
-  const auto known_materials = static_cast<Index>(scene.materials.size());
+  const auto known_materials = static_cast<Index>(scene.organ.materials.size());
   if (known_materials == 0 ||
-      std::any_of(scene.material_of_cell.begin(), scene.material_of_cell.end(),
+      std::any_of(scene.body.material_of_cell.begin(), scene.body.material_of_cell.end(),
                   [&](Index m) { return m < 0 || m >= known_materials; })) {
     throw_damaged(connection_.path(), "a material is missing");
   }
 }
 
-void Bodies::read_body_force(BodyId body, Scene& scene) const {
+void Bodies::read_body_force(BodyId body, Organ& organ, SettledBody& at_rest) const {
   const Database& database = connection_.database();
   Statement select(database,
                    "SELECT acceleration, densities, displacement, pressures, checksum FROM "
                    "body_force WHERE scene_id = ?");
   select.bind(body);
   if (!select.step()) throw_damaged(connection_.path(), "the body force is missing");
-  take_array(select, blobs::vector(), database, "acceleration", scene.body_force);
-  const auto num_materials = static_cast<std::int64_t>(scene.materials.size());
-  take_array(select, blobs::densities(num_materials), database, "densities", scene.densities);
+  take_array(select, blobs::vector(), database, "acceleration", organ.body_force);
+  const auto num_materials = static_cast<std::int64_t>(organ.materials.size());
+  take_array(select, blobs::densities(num_materials), database, "densities", organ.densities);
   take_array(select, blobs::settled_displacement(num_points(body)), database,
-             "the displacement at rest", scene.settled.u);
+             "the displacement at rest", at_rest.u);
   take_array(select, blobs::pressures<double>(num_pressures(body)), database,
-             "the pressures at rest", scene.settled.p);
-  if (select.take_integer() != rows::checksum(body, scene.settled) ||
-      !scene.settled.u.allFinite() || !scene.settled.p.allFinite()) {
+             "the pressures at rest", at_rest.p);
+  if (select.take_integer() != rows::checksum(body, at_rest) || !at_rest.u.allFinite() ||
+      !at_rest.p.allFinite()) {
     throw_damaged(connection_.path(), "the rest under the body force is none");
   }
-  if (!scene.body_force.allFinite() || scene.body_force.isZero(0) ||
-      !std::all_of(scene.densities.begin(), scene.densities.end(),
+  if (!organ.body_force.allFinite() || organ.body_force.isZero(0) ||
+      !std::all_of(organ.densities.begin(), organ.densities.end(),
                    [](double density) { return std::isfinite(density) && density >= 0; })) {
     throw_damaged(connection_.path(), "the body force is none");
   }
 }
 
-void Bodies::read_boundary(BodyId body, Scene& scene) const {
+void Bodies::read_boundary(BodyId body, Scene& scene, SettledBody& at_rest) const {
   Statement select(connection_.database(),
                    "SELECT name, checksum, numbers FROM boundary_array WHERE scene_id = ?");
   select.bind(body);
@@ -411,12 +426,12 @@ void Bodies::read_boundary(BodyId body, Scene& scene) const {
       is_good = is_good && blobs::copy(numbers, size, array);
     };
     if (name == kRestDisplacement) {
-      take(blobs::settled_displacement(num_points(body)), scene.settled.u);
+      take(blobs::settled_displacement(num_points(body)), at_rest.u);
     } else if (name == kRestPressure) {
-      take(blobs::pressures<double>(num_pressures(body)), scene.settled.p);
+      take(blobs::pressures<double>(num_pressures(body)), at_rest.p);
     } else {
       bool is_known = false;
-      for_each_boundary_array(scene, [&](const char* known_name, auto& array) {
+      for_each_boundary_array(scene.body, [&](const char* known_name, auto& array) {
         if (name != known_name) return;
         is_known = true;
         take(blobs::boundary_array(num_points(body), sizeof array[0] / sizeof(double)), array);
@@ -426,11 +441,11 @@ void Bodies::read_boundary(BodyId body, Scene& scene) const {
     if (!is_good)
       throw_damaged(connection_.path(), "the array " + name + " of the boundary is none");
   }
-  if (!scene.settled.u.allFinite() || !scene.settled.p.allFinite()) {
+  if (!at_rest.u.allFinite() || !at_rest.p.allFinite()) {
     throw_damaged(connection_.path(), "the rest under the loads is none");
   }
-  const bool lacks_rest = rests_in_boundary(scene) && scene.settled.u.size() == 0;
-  if (!scene.has_supports_or_surface_loads() || lacks_rest) {
+  const bool lacks_rest = rests_in_boundary(scene) && at_rest.u.size() == 0;
+  if (!scene.body.has_supports_or_surface_loads() || lacks_rest) {
     throw_damaged(connection_.path(), "the supports and loads of the body are not complete");
   }
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The bodies of a file: the tables scene, material, body_force and boundary_array.
 //
-// A file has one body at least. Several are discretisations of one organ: they have meshes and
-// materials of their own, and all or none of them a body force, and supports and loads of the
+// A file has one body at least. Several are discretisations of one organ: they have meshes of their
+// own, the same materials and body force, and all or none of them supports and loads of the
 // surface.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 #include "assembly/scene.h"
 #include "fields/reduced_fields.h"
-#include "state_space/tool_space.h"
+#include "state_space/space_body.h"
 #include "storage/connection.h"
 
 namespace palpate::storage {
@@ -37,13 +37,13 @@ class Bodies {
 
   /// Writes the first body of a new file.
   static void write_first(const sqlite::Database& database, const Scene& scene,
-                          double solver_tolerance);
+                          const SettledBody& at_rest, double solver_tolerance);
   /// @throws InputError a row cannot hold its fields.
   static void require_size(const Scene& scene);
 
   /// Adds a body of the organ, unless it is there.
-  /// @throws InputError it is of another organ, or too large.
-  BodyId add(const Scene& scene);
+  /// @throws InputError it is of another organ, it is held or loaded otherwise, or it is too large.
+  BodyId add(const Scene& scene, const SettledBody& at_rest);
   /// The numbers, ascending; the first is kFirstBody.
   [[nodiscard]] std::vector<BodyId> list() const;
   /// The body with a hash, or nothing.
@@ -54,9 +54,11 @@ class Bodies {
   /// The solver tolerance, which all bodies of a file have in common.
   [[nodiscard]] double solver_tolerance() const { return head(kFirstBody).solver_tolerance; }
 
-  /// Reads a body.
+  /// Reads the scene of a body, and checks its rest.
   /// @throws InputError it is damaged: it does not have the hash that it is stored with.
   [[nodiscard]] Scene read(BodyId body) const;
+  /// Reads all bodies.
+  [[nodiscard]] std::vector<SpaceBody> read_all() const;
   void set_touchable(BodyId body, const std::vector<char>& touchable) const;
 
   /// The number of pressures of mixed cells. It is counted when it is first asked for.
@@ -86,12 +88,12 @@ class Bodies {
   /// @throws InputError one is no valid material.
   void read_materials(BodyId body, Scene& scene) const;
   /// Reads the body force, the densities and the body's rest.
-  /// @param scene Its materials were read before.
+  /// @param organ Its materials were read before.
   /// @throws InputError they are damaged.
-  void read_body_force(BodyId body, Scene& scene) const;
+  void read_body_force(BodyId body, Organ& organ, SettledBody& at_rest) const;
   /// Reads what holds and loads the surface, and the body's rest if it is stored there.
   /// @throws InputError it is damaged.
-  void read_boundary(BodyId body, Scene& scene) const;
+  void read_boundary(BodyId body, Scene& scene, SettledBody& at_rest) const;
 
   Connection& connection_;
   std::map<BodyId, BodyHead> heads_;

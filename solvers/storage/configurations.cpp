@@ -229,8 +229,7 @@ std::vector<StateKey> Configurations::list_whole(const ToolSpaceKey& key) const 
   std::vector<StateKey> keys;
   while (select.step()) {
     StateKey& found = keys.emplace_back();
-    found.tool_space = key.id;
-    found.body = key.body;
+    found.tool_space = key;
     for (auto& x : found.check_point) x = static_cast<std::int32_t>(select.take_integer());
     found.level = static_cast<std::int32_t>(select.take_integer());
   }

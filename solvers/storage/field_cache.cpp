@@ -61,7 +61,7 @@ void FieldCache::add_up(const ToolSpaceSetup& setup, const std::vector<FieldShar
   ++uses_;
   std::vector<ConfigurationSummary> missing;
   for (const FieldShare& share : shares) {
-    const auto found = entries_.find(key_of(setup.id, share.configuration));
+    const auto found = entries_.find(key_of(setup.key(), share.configuration));
     if (found == entries_.end()) {
       missing.push_back(share.configuration);
     } else {
@@ -72,11 +72,12 @@ void FieldCache::add_up(const ToolSpaceSetup& setup, const std::vector<FieldShar
     read(setup, missing);
     forget_old_ones();
   }
-  u.setZero(3 * static_cast<Eigen::Index>(points_.at(Keep::all).size()));
+  const OfBody& body = bodies_.at(setup.body);
+  u.setZero(3 * static_cast<Eigen::Index>(body.points.at(Keep::all).size()));
   p.resize(0);
   std::map<const FieldBasis*, Coefficients> reduced;
   for (const FieldShare& share : shares) {
-    const StoredFields& fields = entries_.at(key_of(setup.id, share.configuration)).fields;
+    const StoredFields& fields = entries_.at(key_of(setup.key(), share.configuration)).fields;
     if (fields.basis == nullptr) {
       const Configuration& whole = fields.whole;
       u += share.a * whole.u + whole.v * share.d;
@@ -101,7 +102,7 @@ void FieldCache::add_up(const ToolSpaceSetup& setup, const std::vector<FieldShar
     add(fields.reduced.p, fields.reduced.p_v, share.a, share.d, sum->second.p);
   }
   for (const auto& [basis, sum] : reduced) {
-    const std::vector<Index>& points = points_.at(needed);
+    const std::vector<Index>& points = body.points.at(needed);
     const Eigen::VectorXf at_points =
         basis->modes.topRows(3 * static_cast<Eigen::Index>(points.size())) * sum.u;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -114,9 +115,14 @@ void FieldCache::add_up(const ToolSpaceSetup& setup, const std::vector<FieldShar
   }
 }
 
-Scene FieldCache::read_scene() const {
+SpaceBody FieldCache::read_body(BodyId number) const {
   const StateSpaceFile file = open();
-  return file.read_scene(*file.find_body(scene_hash_));
+  SpaceBody body;
+  body.number = number;
+  body.scene = std::make_shared<const Scene>(file.read_scene(number));
+  body.hash = file.scene_hash(number);
+  body.at_rest = file.read_rest(number);
+  return body;
 }
 
 void FieldCache::fail(const std::string& what) const {
@@ -126,8 +132,9 @@ void FieldCache::fail(const std::string& what) const {
 
 StateSpaceFile FieldCache::open() const {
   StateSpaceFile file = StateSpaceFile::open_read_only(path_);
-  if (!file.find_body(scene_hash_)) {
-    fail("its scene is " + file.scene_hash() + ", not " + scene_hash_);
+  // Bodies may have been added since.
+  if (file.scene_hashes().compare(0, scene_hash_.size(), scene_hash_) != 0) {
+    fail("its scene is " + file.scene_hashes() + ", not " + scene_hash_);
   }
   return file;
 }
@@ -136,34 +143,33 @@ void FieldCache::read(const ToolSpaceSetup& setup,
                       const std::vector<ConfigurationSummary>& missing) {
   StateSpaceFile file = open();
   file.share(known_);
-  // The file may have bodies besides that of the scene.
-  const BodyId body = *file.find_body(scene_hash_);
-  if (points_.empty()) {
-    Scene scene = file.read_scene(body);
-    settled_ = std::move(scene.settled);
-    const TetMesh& mesh = scene.mesh;
+  if (bodies_.count(setup.body) == 0) {
+    OfBody& body = bodies_[setup.body];
+    const TetMesh mesh = file.read_scene(setup.body).body.mesh;
     const Surface surface = make_surface(mesh);
     for (const Keep keep : {Keep::touch, Keep::surface, Keep::all}) {
-      points_[keep] = kept_points(mesh, surface, keep);
+      body.points[keep] = kept_points(mesh, surface, keep);
     }
+    body.at_rest = file.read_rest(setup.body);
   }
-  const std::vector<ToolSpace> there = file.read_tool_spaces(body);
-  if (std::none_of(there.begin(), there.end(),
-                   [&](const ToolSpace& s) { return is_same_grid(s.setup, setup); })) {
+  const SettledBody& at_rest = bodies_.at(setup.body).at_rest;
+  const std::vector<ToolSpace> there = file.read_tool_spaces();
+  if (std::none_of(there.begin(), there.end(), [&](const ToolSpace& s) {
+        return s.setup.body == setup.body && is_same_grid(s.setup, setup);
+      })) {
     fail(setup.name() + " has another tip or grid there");
   }
   for (const ConfigurationSummary& summary : missing) {
     StoredFields fields;
-    if (!file.read_stored({setup.id, body}, summary, fields))
-      fail("a configuration is damaged there");
+    if (!file.read_stored(setup.key(), summary, fields)) fail("a configuration is damaged there");
     const bool is_whole = fields.basis == nullptr;
     if (is_whole &&
         (fields.whole.u.size() == 0 || fields.whole.v.rows() != fields.whole.u.size())) {
       fail("a configuration has no displacement, or no derivative of it, there");
     }
-    if (is_whole) count_from_rest(settled_, fields.whole);
+    if (is_whole) count_from_rest(at_rest, fields.whole);
     const auto [entry, is_new] =
-        entries_.try_emplace(key_of(setup.id, summary), Entry{std::move(fields), uses_});
+        entries_.try_emplace(key_of(setup.key(), summary), Entry{std::move(fields), uses_});
     if (is_new) entry_bytes_ += bytes_of(entry->second.fields);
   }
 }

@@ -21,14 +21,14 @@ class FieldCache : public FieldSource {
  public:
   static constexpr std::size_t default_bytes = std::size_t{256} << 20;
 
-  /// @param scene_hash The hash of the scene whose configurations are asked for.
+  /// @param scene_hash What tells the space from others, see TouchSpace.
   /// @param bytes The memory of the fields and modes that are kept: those that were used last.
   FieldCache(std::filesystem::path path, std::string scene_hash, std::size_t bytes = default_bytes)
       : path_(std::move(path)), scene_hash_(std::move(scene_hash)), most_bytes_(bytes) {}
 
-  /// The scene in the file.
+  /// A body in the file.
   /// @throws InputError, BackendError as get() does.
-  [[nodiscard]] Scene read_scene() const;
+  [[nodiscard]] SpaceBody read_body(BodyId body) const;
 
   /// The file is open only while something is read from it.
   /// @throws InputError the file is missing or damaged, or was replaced: it is of another scene or
@@ -57,10 +57,14 @@ class FieldCache : public FieldSource {
   std::uint64_t uses_ = 0;
   std::map<StateKey, Entry> entries_;
   StateSpaceFile::Known known_;
-  /// The results of kept_points(); empty until something is read. The entry of Keep::all gives the
-  /// number of points.
-  std::map<Keep, std::vector<Index>> points_;
-  SettledBody settled_;
+  /// What is needed of a body to read its fields.
+  struct OfBody {
+    /// The results of kept_points(). The entry of Keep::all gives the number of points.
+    std::map<Keep, std::vector<Index>> points;
+    SettledBody at_rest;
+  };
+  /// The bodies of which something was read.
+  std::map<BodyId, OfBody> bodies_;
 };
 
 }  // namespace palpate

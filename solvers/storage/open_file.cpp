@@ -79,7 +79,8 @@ void check_end(const Database& database) {
 
 }  // namespace
 
-bool make_file(const fs::path& path, const Scene& scene, double solver_tolerance) {
+bool make_file(const fs::path& path, const Scene& scene, const SettledBody& at_rest,
+               double solver_tolerance) {
   const fs::path folder = fs::absolute(path).parent_path();
   if (!fs::is_directory(folder)) {
     throw InputError("There is no folder " + quoted(folder) + ". Make it, or give another file " +
@@ -104,7 +105,7 @@ bool make_file(const fs::path& path, const Scene& scene, double solver_tolerance
     database.execute("PRAGMA journal_mode = MEMORY");
     sqlite::Transaction transaction(database);
     make_schema(database);
-    Bodies::write_first(database, scene, solver_tolerance);
+    Bodies::write_first(database, scene, at_rest, solver_tolerance);
     transaction.commit();
   }
   return part.put_where_none_is();

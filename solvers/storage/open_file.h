@@ -14,7 +14,7 @@ namespace palpate::storage {
 /// @throws InputError its folder is missing, the body is too large, or a log is there without its
 ///   file.
 [[nodiscard]] bool make_file(const std::filesystem::path& path, const Scene& scene,
-                             double solver_tolerance);
+                             const SettledBody& at_rest, double solver_tolerance);
 
 /// Whether a log lies beside the file: then a writer is at work, or was killed.
 [[nodiscard]] bool has_log(const std::filesystem::path& path);

@@ -28,9 +28,9 @@ StateSpaceFile::~StateSpaceFile() {
 }
 
 StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
-                                      double solver_tolerance) {
+                                      double solver_tolerance, const SettledBody& at_rest) {
   const fs::path target = without_links(path);
-  if (fs::exists(target) || !storage::make_file(target, scene, solver_tolerance)) {
+  if (fs::exists(target) || !storage::make_file(target, scene, at_rest, solver_tolerance)) {
     throw InputError(quoted(path) + " is there already. Open it to append, or give another file " +
                      "name.");
   }
@@ -49,15 +49,15 @@ StateSpaceFile StateSpaceFile::open_to_append(const fs::path& path, const Scene&
   connection.before_change();
   if (connection.version() < storage::kSchemaVersion) storage::convert(tables);
   // What may be touched is no part of the hash, and may have changed since.
-  tables.bodies.set_touchable(body, scene.touchable);
+  tables.bodies.set_touchable(body, scene.body.touchable);
   return file;
 }
 
 StateSpaceFile StateSpaceFile::open_or_create(const fs::path& path, const Scene& scene,
-                                              double solver_tolerance) {
+                                              double solver_tolerance, const SettledBody& at_rest) {
   const fs::path target = without_links(path);
   // If another run creates the file first, the file is opened like one that existed before.
-  if (!fs::exists(target)) (void)storage::make_file(target, scene, solver_tolerance);
+  if (!fs::exists(target)) (void)storage::make_file(target, scene, at_rest, solver_tolerance);
   return open_to_append(target, scene, solver_tolerance);
 }
 
@@ -99,7 +99,9 @@ std::vector<std::string> StateSpaceFile::remove_damaged() {
   return storage::remove_damaged(*tables_);
 }
 
-BodyId StateSpaceFile::add_body(const Scene& scene) { return storage::add_body(*tables_, scene); }
+BodyId StateSpaceFile::add_body(const Scene& scene, const SettledBody& at_rest) {
+  return storage::add_body(*tables_, scene, at_rest);
+}
 
 std::vector<BodyId> StateSpaceFile::list_bodies() const { return tables_->bodies.list(); }
 
@@ -111,7 +113,19 @@ const std::string& StateSpaceFile::scene_hash(BodyId body) const {
   return tables_->bodies.head(body).hash;
 }
 
+std::string StateSpaceFile::scene_hashes() const {
+  std::vector<std::string> hashes;
+  for (const BodyId body : list_bodies()) hashes.push_back(scene_hash(body));
+  return join_hashes(hashes);
+}
+
 Scene StateSpaceFile::read_scene(BodyId body) const { return tables_->bodies.read(body); }
+
+const SettledBody& StateSpaceFile::read_rest(BodyId body) const {
+  return tables_->bodies.settled(body);
+}
+
+std::vector<SpaceBody> StateSpaceFile::read_bodies() const { return tables_->bodies.read_all(); }
 
 void StateSpaceFile::add_tool_space(const ToolSpaceSetup& setup) {
   storage::add_tool_space(*tables_, setup);
@@ -121,8 +135,8 @@ void StateSpaceFile::set_complete(const ToolSpaceKey& key, bool complete) {
   tables_->tool_spaces.set_complete(key, complete);
 }
 
-std::vector<ToolSpace> StateSpaceFile::read_tool_spaces(BodyId body) const {
-  return tables_->tool_spaces.read(body);
+std::vector<ToolSpace> StateSpaceFile::read_tool_spaces() const {
+  return tables_->tool_spaces.read_all();
 }
 
 void StateSpaceFile::add(const ToolSpaceKey& key, const Configuration& configuration,
@@ -209,8 +223,8 @@ const storage::ReducedModels& StateSpaceFile::reduced_models(BodyId body) const 
   return tables_->reduced_models.at(tables_->bodies.head(body).number);
 }
 
-StateSpace StateSpaceFile::read(bool with_fields, BodyId body) const {
-  return storage::read_space(*tables_, body, with_fields);
+StateSpace StateSpaceFile::read(bool with_fields) const {
+  return storage::read_space(*tables_, with_fields);
 }
 
 std::vector<std::string> StateSpaceFile::merge(const fs::path& other_path) {

@@ -66,9 +66,11 @@ struct Tables;
 class StateSpaceFile {
  public:
   /// Makes the file for a scene, its first body, open to append. It appears complete or not at all.
+  /// @param at_rest The body at rest, for a scene with a load.
   /// @throws InputError there is such a file, or its folder is missing.
   [[nodiscard]] static StateSpaceFile create(const std::filesystem::path& path, const Scene& scene,
-                                             double solver_tolerance);
+                                             double solver_tolerance,
+                                             const SettledBody& at_rest = {});
 
   /// Opens a file to append. One of an older schema becomes one of this.
   /// @param scene Any of its bodies.
@@ -79,7 +81,8 @@ class StateSpaceFile {
 
   /// open_to_append where there is a file, else create.
   [[nodiscard]] static StateSpaceFile open_or_create(const std::filesystem::path& path,
-                                                     const Scene& scene, double solver_tolerance);
+                                                     const Scene& scene, double solver_tolerance,
+                                                     const SettledBody& at_rest = {});
 
   /// Opens a file to read, also where nothing may be written.
   /// @throws InputError it is missing or of another schema.
@@ -116,17 +119,24 @@ class StateSpaceFile {
   std::vector<std::string> remove_damaged();
 
   /// Adds a body of the organ, unless it is there.
-  /// @throws InputError it is loaded or held otherwise than those that are there, or too large.
-  BodyId add_body(const Scene& scene);
+  /// @throws InputError it is of another organ, loaded or held otherwise than those that are there,
+  ///   or too large.
+  BodyId add_body(const Scene& scene, const SettledBody& at_rest = {});
   /// The numbers of the bodies, ascending.
   [[nodiscard]] std::vector<BodyId> list_bodies() const;
   /// The body with a hash, or nothing.
   [[nodiscard]] std::optional<BodyId> find_body(const std::string& scene_hash) const;
   /// @throws InputError there is no such body; as read_scene().
   [[nodiscard]] const std::string& scene_hash(BodyId body = kFirstBody) const;
+  /// The result of join_hashes() for all bodies.
+  [[nodiscard]] std::string scene_hashes() const;
   /// Reads the scene of a body.
   /// @throws InputError also where the scene does not have the hash that it is stored with.
   [[nodiscard]] Scene read_scene(BodyId body = kFirstBody) const;
+  /// The body at rest under its loads; empty where there are none.
+  [[nodiscard]] const SettledBody& read_rest(BodyId body = kFirstBody) const;
+  /// Reads all bodies, in the order of their numbers.
+  [[nodiscard]] std::vector<SpaceBody> read_bodies() const;
 
   /// Adds a tool space to the body that it names. One that is there is extended: its box may become
   /// larger, with the same spacing, its force limit, its tolerance and its history may be others;
@@ -136,8 +146,8 @@ class StateSpaceFile {
   ///   is no such body.
   void add_tool_space(const ToolSpaceSetup& setup);
   void set_complete(const ToolSpaceKey& key, bool complete);
-  /// The tool spaces of a body in the order of their numbers, without configurations.
-  [[nodiscard]] std::vector<ToolSpace> read_tool_spaces(BodyId body = kFirstBody) const;
+  /// The tool spaces of all bodies in the order of their keys, without configurations.
+  [[nodiscard]] std::vector<ToolSpace> read_tool_spaces() const;
 
   /// Adds a configuration to a tool space, in place of one with the same check-point and level.
   /// @param way The intermediate states on the way to it: they are there as soon as it is.
@@ -208,8 +218,8 @@ class StateSpaceFile {
   [[nodiscard]] storage::ReducedModels& reduced_models(BodyId body = kFirstBody);
   [[nodiscard]] const storage::ReducedModels& reduced_models(BodyId body = kFirstBody) const;
 
-  /// Reads everything of a body but test points and reduced models; fields only if `with_fields`.
-  [[nodiscard]] StateSpace read(bool with_fields, BodyId body = kFirstBody) const;
+  /// Reads everything but test points and reduced models; fields only if `with_fields`.
+  [[nodiscard]] StateSpace read(bool with_fields) const;
 
   /// Takes over tool spaces, configurations and test points of another file of the same bodies, or
   /// some of them, such as that of a rank of a run; the bodies may have other numbers there. What

@@ -33,17 +33,20 @@ std::vector<ConfigurationSummary> summaries_of(const std::vector<Configuration>&
 
 }  // namespace
 
-TouchSpace make_touch_space(const StateSpaceFile& file, double bound, BodyId body) {
+TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
   validate_pod_bound(bound);
-  const Scene scene = file.read_scene(body);
-  TouchSpace space = make_empty_touch_space(scene, file.scene_hash(body));
+  const std::vector<SpaceBody> bodies = file.read_bodies();
+  const ShownSurface shown(bodies);
+  TouchSpace space = make_empty_touch_space(bodies);
   std::vector<std::string> without_fields;
-  for (const ToolSpace& tool_space : file.read_tool_spaces(body)) {
+  for (const ToolSpace& tool_space : file.read_tool_spaces()) {
     const ToolSpaceKey key = tool_space.setup.key();
+    const SpaceBody& body = find_body(bodies, key.body);
     const std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(key));
     std::vector<IntermediateState> states = file.read_intermediate_states(key);
     if (tool_space.setup.presses()) {
-      add_tool_space(scene, tool_space.setup, summaries, std::move(states), nullptr, {}, space);
+      add_tool_space(body, shown, tool_space.setup, summaries, std::move(states), nullptr, {},
+                     space);
       continue;
     }
     // An active node has one basis at the most.
@@ -52,8 +55,8 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound, BodyId bod
     if (const auto reduced = basis == nullptr ? std::nullopt : read_reduced(file, key, summaries)) {
       std::vector<const ReducedFields*> fields;
       for (const ReducedFields& of : *reduced) fields.push_back(of.v.cols() > 0 ? &of : nullptr);
-      add_tool_space(scene, tool_space.setup, summaries, std::move(states), basis.get(), fields,
-                     space);
+      add_tool_space(body, shown, tool_space.setup, summaries, std::move(states), basis.get(),
+                     fields, space);
       // Forget these bases, so that those of many active nodes are not in memory twice.
       file.bases().forget();
       continue;
@@ -61,7 +64,7 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound, BodyId bod
     Configuration current;
     std::set<std::size_t> damaged;
     reduce_and_add(
-        scene, tool_space.setup, summaries, std::move(states), bound,
+        body, shown, tool_space.setup, summaries, std::move(states), bound,
         [&](std::size_t c) -> const Configuration* {
           static_cast<ConfigurationSummary&>(current) = summaries[c];
           if (damaged.count(c) > 0) return nullptr;
@@ -69,7 +72,7 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound, BodyId bod
             damaged.insert(c);
             return nullptr;
           }
-          if (has_fields(current, scene.mesh.num_points())) return &current;
+          if (has_fields(current, body.mesh().num_points())) return &current;
           damaged.insert(c);
           without_fields.push_back(describe(current, tool_space.setup.name()) +
                                    ", whose fields are not whole");
@@ -88,14 +91,16 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound, BodyId bod
   return space;
 }
 
-TouchSpace make_touch_space_without_modes(const StateSpaceFile& file, BodyId body) {
-  const Scene scene = file.read_scene(body);
-  TouchSpace space = make_empty_touch_space(scene, file.scene_hash(body));
+TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
+  const std::vector<SpaceBody> bodies = file.read_bodies();
+  const ShownSurface shown(bodies);
+  TouchSpace space = make_empty_touch_space(bodies);
   space.file = file.path().string();
-  for (const ToolSpace& from : file.read_tool_spaces(body)) {
+  for (const ToolSpace& from : file.read_tool_spaces()) {
     const ToolSpaceKey key = from.setup.key();
-    add_tool_space(scene, from.setup, summaries_of(file.read_summaries(key)),
-                   file.read_intermediate_states(key), nullptr, {}, space);
+    add_tool_space(find_body(bodies, key.body), shown, from.setup,
+                   summaries_of(file.read_summaries(key)), file.read_intermediate_states(key),
+                   nullptr, {}, space);
   }
   space.left_out = file.left_out();
   return space;

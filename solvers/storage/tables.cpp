@@ -62,8 +62,8 @@ BodyId find_body(const Tables& tables, const Scene& scene, double solver_toleran
   return *found;
 }
 
-BodyId add_body(Tables& tables, const Scene& scene) {
-  const BodyId body = tables.bodies.add(scene);
+BodyId add_body(Tables& tables, const Scene& scene, const SettledBody& at_rest) {
+  const BodyId body = tables.bodies.add(scene, at_rest);
   tables.reduced_models.try_emplace(body, tables.connection, body);
   return body;
 }
@@ -120,12 +120,11 @@ std::vector<Configuration> read_summaries(const Tables& tables, const ToolSpaceK
   return configurations;
 }
 
-StateSpace read_space(const Tables& tables, BodyId body, bool with_fields) {
+StateSpace read_space(const Tables& tables, bool with_fields) {
   StateSpace space;
-  space.scene = tables.bodies.read(body);
-  space.scene_hash = tables.bodies.head(body).hash;
+  space.bodies = tables.bodies.read_all();
   space.solver_tolerance = tables.bodies.solver_tolerance();
-  space.tool_spaces = tables.tool_spaces.read(body);
+  space.tool_spaces = tables.tool_spaces.read_all();
   for (ToolSpace& tool_space : space.tool_spaces) {
     const ToolSpaceKey key = tool_space.setup.key();
     for (Configuration& configuration : read_summaries(tables, key)) {
@@ -195,7 +194,7 @@ void merge(Tables& here, const Tables& other) {
   }
   for (const ToolSpace& space : other.tool_spaces.read_all()) {
     const ToolSpaceKey there = space.setup.key();
-    const ToolSpaceKey key(there.id, bodies.at(there.body));
+    const ToolSpaceKey key{there.id, bodies.at(there.body)};
     Transaction transaction(here.connection.database());
     const std::set<CheckPoint> taken = here.configurations.merge(key, other.configurations, there);
     here.transitions.merge(key, other.transitions, there);

@@ -42,7 +42,7 @@ struct Tables {
 BodyId find_body(const Tables& tables, const Scene& scene, double solver_tolerance);
 
 /// Adds a body of the organ, unless it is there. @throws InputError as Bodies::add() does.
-BodyId add_body(Tables& tables, const Scene& scene);
+BodyId add_body(Tables& tables, const Scene& scene, const SettledBody& at_rest);
 
 /// Runs `body` in one transaction: its changes become durable together, or not at all if it throws.
 void change_together(Connection& connection, const std::function<void()>& body);
@@ -64,8 +64,8 @@ void add_with_way(Tables& tables, const ToolSpaceKey& key, const Configuration& 
 [[nodiscard]] std::vector<Configuration> read_summaries(const Tables& tables,
                                                         const ToolSpaceKey& key);
 
-/// Reads everything of a body but test points and reduced models.
-[[nodiscard]] StateSpace read_space(const Tables& tables, BodyId body, bool with_fields);
+/// Reads everything but test points and reduced models.
+[[nodiscard]] StateSpace read_space(const Tables& tables, bool with_fields);
 
 /// What was found damaged in all that was read so far, and rows that belong to nothing.
 [[nodiscard]] std::vector<std::string> list_left_out(const Tables& tables);

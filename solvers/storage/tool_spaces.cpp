@@ -150,14 +150,6 @@ const std::vector<ToolSpace>& ToolSpaces::read_all() const {
   return *(known_ = std::move(all));
 }
 
-std::vector<ToolSpace> ToolSpaces::read(BodyId body) const {
-  std::vector<ToolSpace> of_body;
-  for (const ToolSpace& space : read_all()) {
-    if (space.setup.body == body) of_body.push_back(space);
-  }
-  return of_body;
-}
-
 std::optional<ToolSpace> ToolSpaces::find(const ToolSpaceKey& key) const {
   for (const ToolSpace& space : read_all()) {
     if (space.setup.key() == key) return space;

@@ -181,7 +181,7 @@ std::optional<Equilibrium> nearest(const fs::path& file, const TouchToolSpace& s
   if (best == nullptr || (best->t - q).norm() > 2 * grid.coarsest * grid.spacing()) return {};
   Configuration c;
   static_cast<ConfigurationSummary&>(c) = *best;
-  if (!StateSpaceFile::open_read_only(file).read_fields(space.setup.id, c)) return {};
+  if (!StateSpaceFile::open_read_only(file).read_fields({space.setup.id}, c)) return {};
   return as_start(c);
 }
 
@@ -269,7 +269,7 @@ void print_newton(const PrecomputeOptions& options, const Scene& scene, const In
     if (!c.usable() || c.parent == c.check_point) continue;
     Configuration parent;
     parent.check_point = c.parent;
-    if (!file.read_fields(space.setup.id, parent)) continue;
+    if (!file.read_fields({space.setup.id}, parent)) continue;
     const auto found = std::lower_bound(space.configurations.begin(), space.configurations.end(),
                                         static_cast<const ConfigurationSummary&>(parent));
     static_cast<ConfigurationSummary&>(parent) = *found;
@@ -288,9 +288,9 @@ void print_newton(const PrecomputeOptions& options, const Scene& scene, const In
 void measure(const Arguments& arguments, Communicator& world) {
   Scene scene = StateSpaceFile::open_read_only(arguments.scene).read_scene();
   if (const double region = 1e-3 * arguments.number("region"); region > 0) {
-    const Vec3 middle = scene.mesh.points[static_cast<std::size_t>(arguments.number("node"))];
-    for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-      if ((scene.mesh.points[p] - middle).norm() > region) scene.touchable[p] = 0;
+    const Vec3 middle = scene.body.mesh.points[static_cast<std::size_t>(arguments.number("node"))];
+    for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+      if ((scene.body.mesh.points[p] - middle).norm() > region) scene.body.touchable[p] = 0;
     }
   }
   PrecomputeOptions options;
@@ -357,7 +357,7 @@ void measure(const Arguments& arguments, Communicator& world) {
     std::fflush(stdout);
   }
 
-  InteractionFactory tools(scene);
+  InteractionFactory tools(scene.body);
   EquilibriumSolver solver(scene, {});
   const RigidTool tool = with_defaults(options.contact->tool, scene);
   const InteractionSpec spec = rigid_contact_spec(tool);
@@ -373,7 +373,7 @@ void measure(const Arguments& arguments, Communicator& world) {
   const int num_tests = static_cast<int>(arguments.number("tests"));
   if (num_tests == 0) return;
   const double depth = options.contact->shell.depth;
-  const SurfacePlaces places(scene);
+  const SurfacePlaces places(scene.body, {});
   const TestSet set{kContactToolSpace, tool.radius, depth, 2008};
   std::vector<Test> tests;
   for (int i = 0; i < num_tests / 2; ++i) {

@@ -24,11 +24,11 @@ inline int num_unknowns(int bricks) {
 
 inline Scene make_cube(int bricks, double nu) {
   Scene scene;
-  scene.mesh =
+  scene.body.mesh =
       test::make_box(ElementOrder::quadratic, {bricks, bricks, bricks}, Vec3::Constant(kEdge));
-  for (const Vec3& p : scene.mesh.points) scene.fixed.push_back(p.z() == 0 ? 1 : 0);
-  scene.touchable.assign(scene.fixed.size(), 1);
-  scene.materials = {
+  for (const Vec3& p : scene.body.mesh.points) scene.body.fixed.push_back(p.z() == 0 ? 1 : 0);
+  scene.body.touchable.assign(scene.body.fixed.size(), 1);
+  scene.organ.materials = {
       with_formulation(make_isotropic(Law::neo_hookean, 10e3, nu), Formulation::displacement)};
   return scene;
 }

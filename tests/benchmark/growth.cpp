@@ -43,7 +43,7 @@ constexpr int kExplored = 12;
 PrecomputeReport explore(const Scene& scene) {
   const MPI_Comm world = MPI_COMM_WORLD;
   const auto communicator = make_mpi_communicator(&world);
-  PrecomputeOptions options = space_of_patch(scene.mesh, kEdge / 10, 7);
+  PrecomputeOptions options = space_of_patch(scene.body.mesh, kEdge / 10, 7);
   options.ranks_per_solve = communicator->size();
   options.linear_solver = linear_solver_names().front();
   return precompute(scene, options, *communicator,
@@ -82,7 +82,7 @@ std::vector<Figure> measure(int bricks) {
   long factorisations = 0;
   figures.push_back({"equilibrium, s", 1, seconds([&] {
                        EquilibriumSolver body(scene, options, make_solver());
-                       body.set_interaction(bond_patch(scene.mesh));
+                       body.set_interaction(bond_patch(scene.body.mesh));
                        pulled = body.solve(Vec3(0, 0, kEdge / 10), body.rest());
                        factorisations = body.work().factorisations;
                      })});

@@ -80,33 +80,33 @@ void shuffle(TetMesh& mesh) {
 Body make_body(int bricks, const Choice& choice) {
   Body body;
   Scene& scene = body.scene;
-  scene.mesh =
+  scene.body.mesh =
       test::make_box(ElementOrder::quadratic, {bricks, bricks, bricks}, Vec3::Constant(kEdge));
-  if (choice.is_shuffled) shuffle(scene.mesh);
+  if (choice.is_shuffled) shuffle(scene.body.mesh);
   const Vec3 middle(kEdge / 2, kEdge / 2, kEdge);
-  body.pressed.setZero(3 * Eigen::Index{scene.mesh.num_points()});
-  scene.fixed.assign(scene.mesh.points.size(), 0);
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    const Vec3& x = scene.mesh.points[p];
+  body.pressed.setZero(3 * Eigen::Index{scene.body.mesh.num_points()});
+  scene.body.fixed.assign(scene.body.mesh.points.size(), 0);
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    const Vec3& x = scene.body.mesh.points[p];
     const double aside = (x - middle).head<2>().norm();
     const bool sticks = std::abs(x.z() - kEdge) < 1e-9 && aside <= kTouching;
-    if (x.z() == 0 || sticks) scene.fixed[p] = 1;
+    if (x.z() == 0 || sticks) scene.body.fixed[p] = 1;
     if (sticks) {
       const double cap = kRadius - std::sqrt(kRadius * kRadius - aside * aside);
       body.pressed[3 * p + 2] = -(kDepth - cap);
     }
   }
-  test::warp_straight(scene.mesh, test::wavy_inside(Vec3::Constant(kEdge)));
-  scene.touchable.assign(scene.fixed.size(), 1);
+  test::warp_straight(scene.body.mesh, test::wavy_inside(Vec3::Constant(kEdge)));
+  scene.body.touchable.assign(scene.body.fixed.size(), 1);
   for (double modulus : {10e3, 10e3 * choice.contrast}) {
-    scene.materials.push_back(with_formulation(make_isotropic(Law::neo_hookean, modulus, choice.nu),
-                                               Formulation::displacement));
+    scene.organ.materials.push_back(with_formulation(
+        make_isotropic(Law::neo_hookean, modulus, choice.nu), Formulation::displacement));
   }
   const Vec3 inclusion(0.5 * kEdge, 0.5 * kEdge, 0.45 * kEdge);
-  for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
     Vec3 centre = Vec3::Zero();
-    for (int i = 0; i < 4; ++i) centre += scene.mesh.points[scene.mesh.cell(c)[i]] / 4;
-    scene.material_of_cell.push_back((centre - inclusion).norm() < 0.15 * kEdge ? 1 : 0);
+    for (int i = 0; i < 4; ++i) centre += scene.body.mesh.points[scene.body.mesh.cell(c)[i]] / 4;
+    scene.body.material_of_cell.push_back((centre - inclusion).norm() < 0.15 * kEdge ? 1 : 0);
   }
   return body;
 }
@@ -242,7 +242,7 @@ std::vector<Figure> measure(int bricks, const Choice& choice) {
   SetupReport report;
   figures.push_back({"set-up, s", 1, processor_seconds([&] {
                        const NodeLevels levels =
-                           make_node_levels(body.scene.mesh, assembly.unknown_of_point());
+                           make_node_levels(body.scene.body.mesh, assembly.unknown_of_point());
                        preconditioner = make_preconditioner(pattern, levels, choice.coarse);
                        report = preconditioner->refresh(values);
                      })});

@@ -45,7 +45,7 @@ Run run(const Scene& scene, std::unique_ptr<LinearSolver> linear_solver, int thr
   EquilibriumOptions options;
   options.threads = threads;
   EquilibriumSolver solver(scene, options, std::move(linear_solver));
-  solver.set_interaction(bond_patch(scene.mesh));
+  solver.set_interaction(bond_patch(scene.body.mesh));
   const Equilibrium rest = solver.rest();
   run.rest_seconds = rest.summary.seconds;
   run.pulled = solver.solve(Vec3(0, 0, kEdge / 10), rest);
@@ -58,7 +58,7 @@ Run run(const Scene& scene, std::unique_ptr<LinearSolver> linear_solver, int thr
 
 /// Seconds for a configuration in the mean.
 double explore(const Scene& scene, const std::string& linear_solver, int threads) {
-  PrecomputeOptions options = space_of_patch(scene.mesh, kEdge / 20, 3);
+  PrecomputeOptions options = space_of_patch(scene.body.mesh, kEdge / 20, 3);
   options.linear_solver = linear_solver;
   options.equilibrium.single_precision = true;
   options.equilibrium.threads = threads;

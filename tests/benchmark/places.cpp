@@ -42,10 +42,10 @@ class Spread {
  public:
   Spread(const Scene& scene, const BondedPatches& patches, Index center, double extent)
       : scene_(scene) {
-    const std::vector<char> on_surface = boundary_points(scene.mesh);
-    const Vec3 middle = scene.mesh.points[center];
-    for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-      if (on_surface[p] == 0 || (scene.mesh.points[p] - middle).norm() > extent) continue;
+    const std::vector<char> on_surface = boundary_points(scene.body.mesh);
+    const Vec3 middle = scene.body.mesh.points[center];
+    for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+      if (on_surface[p] == 0 || (scene.body.mesh.points[p] - middle).norm() > extent) continue;
       try {
         (void)patches.around(p);
       } catch (const InputError&) {
@@ -61,7 +61,8 @@ class Spread {
     const Index chosen = next_;
     std::size_t farthest = 0;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      const double d = (scene_.mesh.points[nodes_[i]] - scene_.mesh.points[chosen]).norm();
+      const double d =
+          (scene_.body.mesh.points[nodes_[i]] - scene_.body.mesh.points[chosen]).norm();
       distance_[i] = std::min(distance_[i], d);
       if (distance_[i] > distance_[farthest]) farthest = i;
     }
@@ -82,13 +83,13 @@ class Spread {
 
 void run(const Arguments& arguments) {
   Scene scene = StateSpaceFile::open_read_only(arguments.scene).read_scene();
-  scene.material_of_cell.clear();
-  scene.materials = {make_material(Law::neo_hookean, {5000, 0.4, 0})};
+  scene.body.material_of_cell.clear();
+  scene.organ.materials = {make_material(Law::neo_hookean, {5000, 0.4, 0})};
   Rheology rheology;
   rheology.density = arguments["moving"] != 0 ? 1000 : 0;
   rheology.viscous_time = arguments["viscous"];
   const std::vector<Rheology> rheologies = {rheology};
-  const BondedPatches patches(scene, 1e-3 * arguments["radius"]);
+  const BondedPatches patches(scene.body, 1e-3 * arguments["radius"]);
   std::vector<Spread> regions;
   for (const char* name : {"node", "second"}) {
     const auto center = static_cast<Index>(arguments[name]);

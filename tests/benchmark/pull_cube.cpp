@@ -28,7 +28,7 @@ int run(int bricks, double nu) {
   std::unique_ptr<EquilibriumSolver> solver;
   const double set_up = processor_seconds([&] {
     solver = std::make_unique<EquilibriumSolver>(scene, EquilibriumOptions{}, nullptr);
-    solver->set_interaction(bond_patch(scene.mesh));
+    solver->set_interaction(bond_patch(scene.body.mesh));
   });
   Equilibrium rest;
   const double at_rest = processor_seconds([&] { rest = solver->rest(); });

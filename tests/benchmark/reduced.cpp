@@ -184,14 +184,14 @@ void compare(const ReducedModel& model, const Scene& scene, const Rheology& rheo
 void run(const Arguments& arguments) {
   Scene scene = StateSpaceFile::open_read_only(arguments.scene).read_scene();
   const auto law = static_cast<Law>(static_cast<int>(arguments["law"]));
-  scene.material_of_cell.clear();
+  scene.body.material_of_cell.clear();
   if (law == Law::mooney_rivlin) {
     const double mu = arguments["young"] / (2 * (1 + arguments["poisson"]));
     const double kappa = arguments["young"] / (3 * (1 - 2 * arguments["poisson"]));
-    scene.materials = {make_mooney_rivlin(0.375 * mu, 0.125 * mu, kappa)};
+    scene.organ.materials = {make_mooney_rivlin(0.375 * mu, 0.125 * mu, kappa)};
   } else {
-    scene.materials = {make_material(law, {arguments["young"], arguments["poisson"],
-                                           law == Law::fung ? arguments["exponent"] : 0.0})};
+    scene.organ.materials = {make_material(law, {arguments["young"], arguments["poisson"],
+                                                 law == Law::fung ? arguments["exponent"] : 0.0})};
   }
   const bool moving = arguments["moving"] != 0;
   Rheology rheology;
@@ -201,7 +201,7 @@ void run(const Arguments& arguments) {
     rheology.prony_moduli = {arguments["prony"]};
     rheology.prony_times = {0.3};
   }
-  const BondedPatches patches(scene, 1e-3 * arguments["radius"]);
+  const BondedPatches patches(scene.body, 1e-3 * arguments["radius"]);
   std::vector<BondedPatch> tools = {patches.around(static_cast<Index>(arguments["node"]))};
   if (arguments["second"] > 0) {
     tools.push_back(patches.around(static_cast<Index>(arguments["second"])));
@@ -227,7 +227,7 @@ void run(const Arguments& arguments) {
       "| points of the mesh | tools | law | modes (one tool, all, motion) | points kept | "
       "residual, %% | states | left out | built, s |\n|---|---|---|---|---|---|---|---|---|\n"
       "| %d | %zu | %s | %d (%d, %d, %d) | %d | %.3f | %d | %d | %.1f |\n\n",
-      scene.mesh.num_points(), tools.size(), to_string(law).c_str(), model.num_modes,
+      scene.body.mesh.num_points(), tools.size(), to_string(law).c_str(), model.num_modes,
       built.one_tool_modes, built.all_tools_modes, built.motion_modes, model.points.num_points(),
       100 * built.residual, built.num_states, built.num_left_out, seconds_since(start));
   RandomPathOptions path = path_options(options, static_cast<int>(tools.size()));

@@ -48,7 +48,7 @@ std::vector<Recording> read_recordings(const std::vector<std::string>& paths) {
     const StateSpaceFile file = StateSpaceFile::open_read_only(path);
     for (const ToolSpace& space : file.read_tool_spaces()) {
       const ToolSpaceId id = space.setup.id;
-      const std::vector<Configuration> all = file.read_summaries(id);
+      const std::vector<Configuration> all = file.read_summaries({id});
       const auto [here, is_new] =
           recordings.emplace(id, Recording{space.setup, {all.begin(), all.end()}});
       if (is_new) continue;
@@ -118,7 +118,7 @@ void print_table(double factorisation_seconds, const Problem& problem,
   for (const Recording& recording : recordings) forest.trees.push_back(to_tree(recording));
   const StateSpaceFile file = StateSpaceFile::open_read_only(paths.front());
   test::ReplayOptions options;
-  options.state_bytes = file.read_scene().mesh.points.size() * 3 * kColumns * sizeof(double);
+  options.state_bytes = file.read_scene().body.mesh.points.size() * 3 * kColumns * sizeof(double);
   options.factorisation_seconds = factorisation_seconds;
   test::MasterOptions of_master;
   of_master.state_bytes = options.state_bytes;

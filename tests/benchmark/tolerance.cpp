@@ -90,7 +90,7 @@ std::vector<Exact> solve_exactly(const Scene& scene, const ToolSpaceSetup& tool_
   };
   for (std::size_t i = 0; i < known; ++i) write(all[i]);
   EquilibriumSolver solver(scene, {});
-  solver.set_interaction(BondedPatches(scene, tool_space.interaction.tip_radius)
+  solver.set_interaction(BondedPatches(scene.body, tool_space.interaction.tip_radius)
                              .around(tool_space.interaction.active_node));
   const Equilibrium rest = solver.rest();
   for (; known < all.size(); ++known) {

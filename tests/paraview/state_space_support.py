@@ -25,12 +25,12 @@ def fetch_space(proxy):
     proxy.UpdatePipeline()
     collection = servermanager.Fetch(proxy, 0)
     assert collection.IsA("vtkPartitionedDataSetCollection"), collection.GetClassName()
-    names = BLOCKS
-    if collection.GetNumberOfPartitionedDataSets() > len(BLOCKS):
-        names += (ADDED_BLOCK,)
-    assert collection.GetNumberOfPartitionedDataSets() == len(names)
-    for i, name in enumerate(names):
-        assert collection.GetMetaData(i).Get(collection.NAME()) == name
+    names = [collection.GetMetaData(i).Get(collection.NAME())
+             for i in range(collection.GetNumberOfPartitionedDataSets())]
+    expected = [*BLOCKS, *[ADDED_BLOCK] * (ADDED_BLOCK in names)]
+    # A space of several bodies has a block for each.
+    expected += [f"Body{number + 2}" for number in range(len(names) - len(expected))]
+    assert names == expected, names
     return {name: collection.GetPartition(i, 0) for i, name in enumerate(names)}
 
 

@@ -104,6 +104,7 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
 
   /// The node and the branch that are shown.
   int Node = -1;
+  palpate::BodyId OnBody = palpate::kFirstBody;
   int Branch = 0;
   Vec3 Displacement = Vec3::Zero();
   Vec3 Pressed = Vec3::Zero();
@@ -342,7 +343,7 @@ void pqPalpateTouch::takeNewData()
         this->closeRecording(std::move(session.Hand.Recording),
           "The body has become another one: the recording ends there.");
       }
-      if (session.Node >= 0 && session.Body->find(session.Node) < 0)
+      if (session.Node >= 0 && session.Body->find(session.Node, session.OnBody) < 0)
       {
         session.Node = -1;
         session.BodyView->ShowRest();
@@ -402,10 +403,11 @@ void pqPalpateTouch::show()
   const bool presses = contact.status == palpate::ContactStatus::pressing;
   const bool holds = touches && !presses;
   const int node = holds ? contact.nodes[0] : presses ? -1 : session.Node;
+  const palpate::BodyId body = holds ? contact.bodies[0] : session.OnBody;
   const int branch = holds ? contact.branches[0] : 0;
   const Vec3 displacement = holds ? contact.displacement : Vec3::Zero();
   const Vec3 pressed = presses ? contact.anchor : session.Away();
-  const bool moved = node != session.Node || branch != session.Branch ||
+  const bool moved = node != session.Node || body != session.OnBody || branch != session.Branch ||
     displacement != session.Displacement || pressed != session.Pressed;
   const bool showsFree = !mouse || mouse->ShowsTool();
   const bool says = mouse && session.Tool->Say(mouse->GetHint());
@@ -419,7 +421,7 @@ void pqPalpateTouch::show()
   {
     if (holds || session.Deepest == 0)
     {
-      session.BodyView->Show(node, branch, displacement.data());
+      session.BodyView->Show(node, body, branch, displacement.data());
     }
     else
     {
@@ -433,6 +435,7 @@ void pqPalpateTouch::show()
     }
   }
   session.Node = node;
+  session.OnBody = body;
   session.Branch = branch;
   session.Displacement = displacement;
   session.Pressed = pressed;

@@ -57,6 +57,7 @@ constexpr const char* SmoothEdges = "UseFXAA";
 constexpr const char* Backface = "BackfaceRepresentation";
 /// This number stands for the rigid tool of a space that has one, else for its first active node.
 constexpr int FirstOfSpace = -1;
+constexpr vtkIdType FirstBody = 1;
 constexpr int LikeTheFront = 400;
 constexpr int Culled = 401;
 
@@ -239,11 +240,12 @@ void pqPalpateBodyView::RestorePicture()
   }
 }
 
-void pqPalpateBodyView::Show(int node, int branch, const double* displacement)
+void pqPalpateBodyView::Show(int node, vtkIdType body, int branch, const double* displacement)
 {
   vtkSMProxy* filter = this->Filter->getProxy();
   const bool isKnown = this->IsKnown();
   vtkSMPropertyHelper(filter, "ActiveNode").Set(static_cast<vtkIdType>(node));
+  vtkSMPropertyHelper(filter, "BodyNumber").Set(body);
   // The loop has already followed the node to this place.
   vtkSMPropertyHelper(filter, "StartDisplacement").Set(displacement, 3);
   vtkSMPropertyHelper(filter, "StartBranch").Set(branch);
@@ -328,7 +330,7 @@ void pqPalpateBodyView::SetRest()
   constexpr int findsItself = -1;
   const double zero[3] = { 0, 0, 0 };
   vtkSMPropertyHelper(this->Filter->getProxy(), "ToolPosition").Set(this->Free, 3);
-  this->Show(FirstOfSpace, findsItself, zero);
+  this->Show(FirstOfSpace, FirstBody, findsItself, zero);
 }
 
 void pqPalpateBodyView::Draw()

@@ -46,9 +46,10 @@ public:
   pqPipelineSource* GetFilter() const { return this->Filter; }
 
   /// @param node The active node; -1: the first of the space.
+  /// @param body The body of the space on which the node is.
   /// @param branch The branch that the body is on there.
   /// @param displacement The displacement of the node [3], m.
-  void Show(int node, int branch, const double* displacement);
+  void Show(int node, vtkIdType body, int branch, const double* displacement);
   /// @param place The place of the rigid tool [3], m.
   void ShowPressed(const double* place);
   /// @param coordinates All coordinates of the reduced body; none: the body is at rest.

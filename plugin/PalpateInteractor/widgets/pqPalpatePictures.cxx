@@ -101,6 +101,9 @@ void pqPalpatePictures::touchSelected(pqOutputPort* space)
     {
       const auto activeNode = static_cast<vtkIdType>(LeastValue(node, 0));
       vtkSMPropertyHelper(touch, "ActiveNode").Set(activeNode);
+      vtkPVArrayInformation* body = data->GetArrayInformation("BodyNumber", vtkDataObject::POINT);
+      vtkSMPropertyHelper(touch, "BodyNumber")
+        .Set(body ? static_cast<vtkIdType>(LeastValue(body, 0)) : 1);
       if (activeNode < 0)
       {
         // The coordinates of a rigid tool are its place.

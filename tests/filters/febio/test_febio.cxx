@@ -56,10 +56,10 @@ constexpr int kMillimetreNewton = 1;
 /// fraction holds; held at one corner.
 Scene Row(ElementOrder order, int num_cells) {
   Scene scene;
-  scene.mesh.order = order;
+  scene.body.mesh.order = order;
   std::mt19937 random(7);
   std::uniform_real_distribution<double> aside(-0.1, 0.1);
-  auto& points = scene.mesh.points;
+  auto& points = scene.body.mesh.points;
   for (int i = 0; i < num_cells + 3; ++i) {
     // A helix, on which four points after each other make a tetrahedron.
     points.emplace_back(std::cos(2.1 * i) + aside(random), std::sin(2.1 * i) + aside(random),
@@ -70,21 +70,21 @@ Scene Row(ElementOrder order, int num_cells) {
     std::array<Index, 4> corners = {i, i + 1, i + 2, i + 3};
     const auto edge = [&](int a) { return points[corners[a]] - points[corners[0]]; };
     if (edge(1).cross(edge(2)).dot(edge(3)) < 0) std::swap(corners[2], corners[3]);
-    scene.mesh.cells.insert(scene.mesh.cells.end(), corners.begin(), corners.end());
+    scene.body.mesh.cells.insert(scene.body.mesh.cells.end(), corners.begin(), corners.end());
     for (const auto& [a, b] : edges) {
       if (order == ElementOrder::linear) break;
       const palpate::Vec3 middle = (points[corners[a]] + points[corners[b]]) / 2;
       const auto known = std::find(points.begin(), points.end(), middle);
-      scene.mesh.cells.push_back(static_cast<Index>(known - points.begin()));
+      scene.body.mesh.cells.push_back(static_cast<Index>(known - points.begin()));
       if (known == points.end()) points.push_back(middle);
     }
   }
-  scene.materials = {palpate::make_isotropic(Law::neo_hookean, 10000.1, 0.3)};
-  scene.material_of_cell.assign(num_cells, 0);
-  scene.fixed.assign(points.size(), 0);
-  scene.fixed[0] = 1;
-  scene.touchable.assign(points.size(), 0);
-  scene.touchable[num_cells + 2] = 1;
+  scene.organ.materials = {palpate::make_isotropic(Law::neo_hookean, 10000.1, 0.3)};
+  scene.body.material_of_cell.assign(num_cells, 0);
+  scene.body.fixed.assign(points.size(), 0);
+  scene.body.fixed[0] = 1;
+  scene.body.touchable.assign(points.size(), 0);
+  scene.body.touchable[num_cells + 2] = 1;
   palpate::check(scene);
   return scene;
 }
@@ -189,12 +189,13 @@ std::string Replaced(std::string text, const std::string& what, const std::strin
 /// To the last bit.
 void ExpectSame(const Scene& a, const Scene& b) {
   EXPECT_EQ(palpate::hash(a), palpate::hash(b));
-  EXPECT_EQ(a.mesh.points, b.mesh.points);
-  EXPECT_EQ(a.mesh.cells, b.mesh.cells);
-  EXPECT_EQ(a.fixed, b.fixed);
-  EXPECT_EQ(a.touchable, b.touchable);
-  for (Index cell = 0; cell < a.mesh.num_cells(); ++cell) {
-    EXPECT_EQ(a.materials[a.material_of_cell[cell]], b.materials[b.material_of_cell[cell]]);
+  EXPECT_EQ(a.body.mesh.points, b.body.mesh.points);
+  EXPECT_EQ(a.body.mesh.cells, b.body.mesh.cells);
+  EXPECT_EQ(a.body.fixed, b.body.fixed);
+  EXPECT_EQ(a.body.touchable, b.body.touchable);
+  for (Index cell = 0; cell < a.body.mesh.num_cells(); ++cell) {
+    EXPECT_EQ(a.organ.materials[a.body.material_of_cell[cell]],
+              b.organ.materials[b.body.material_of_cell[cell]]);
   }
 }
 
@@ -219,9 +220,9 @@ TEST_F(Febio, ABodyComesBackTheSame) {
   for (const ElementOrder order : {ElementOrder::linear, ElementOrder::quadratic}) {
     const std::vector<Material> materials = WrittenMaterials();
     Scene scene = Row(order, static_cast<int>(materials.size()) + 2);
-    scene.materials = materials;
-    for (std::size_t cell = 0; cell < scene.material_of_cell.size(); ++cell) {
-      scene.material_of_cell[cell] = static_cast<Index>((cell + 1) % materials.size());
+    scene.organ.materials = materials;
+    for (std::size_t cell = 0; cell < scene.body.material_of_cell.size(); ++cell) {
+      scene.body.material_of_cell[cell] = static_cast<Index>((cell + 1) % materials.size());
     }
     ExpectSame(round_trip(scene), scene);
   }
@@ -232,10 +233,10 @@ TEST_F(Febio, AFieldOfStiffnessComesBackTheSame) {
   Scene scene = Row(ElementOrder::linear, num_cells);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> modulus(1000, 9000);
-  scene.materials.clear();
+  scene.organ.materials.clear();
   for (int cell = 0; cell < num_cells; ++cell) {
-    scene.material_of_cell[cell] = cell;
-    scene.materials.push_back(
+    scene.body.material_of_cell[cell] = cell;
+    scene.organ.materials.push_back(
         cell % 3 == 0 ? palpate::make_isotropic(Law::neo_hookean, modulus(random), 0.3)
         : cell % 3 == 1
             ? palpate::make_mooney_rivlin(modulus(random), modulus(random), 20000.5)
@@ -248,7 +249,7 @@ TEST_F(Febio, AFieldOfStiffnessComesBackTheSame) {
 
   // One more map than FEBio has: its k is one number.
   for (int cell = 1; cell < num_cells; cell += 3) {
-    scene.materials[cell] = palpate::make_mooney_rivlin(1000, 0, modulus(random) * 10);
+    scene.organ.materials[cell] = palpate::make_mooney_rivlin(1000, 0, modulus(random) * 10);
   }
   const std::string message = Write(vtkPalpateGridFromScene(scene), file());
   EXPECT_NE(message.find("at most 100 are written"), std::string::npos) << message;
@@ -257,9 +258,9 @@ TEST_F(Febio, AFieldOfStiffnessComesBackTheSame) {
 
 TEST_F(Febio, APartIsForEachRegionAndMaterial) {
   Scene scene = Row(ElementOrder::linear, 4);
-  scene.materials = {palpate::make_isotropic(Law::neo_hookean, 1000, 0.3),
-                     palpate::make_isotropic(Law::neo_hookean, 2000, 0.3)};
-  scene.material_of_cell = {0, 0, 1, 1};
+  scene.organ.materials = {palpate::make_isotropic(Law::neo_hookean, 1000, 0.3),
+                           palpate::make_isotropic(Law::neo_hookean, 2000, 0.3)};
+  scene.body.material_of_cell = {0, 0, 1, 1};
   const auto grid = vtkPalpateGridFromScene(scene);
   vtkNew<vtkIntArray> regions;
   regions->SetName("RegionId");
@@ -316,17 +317,17 @@ TEST_F(Febio, DensityAndViscosityComeBackTheSame) {
   std::vector<Material> materials = WrittenMaterials();
   Scene scene =
       Row(ElementOrder::quadratic, static_cast<int>(materials.size() * rheologies.size()));
-  scene.materials.clear();
+  scene.organ.materials.clear();
   std::vector<palpate::Rheology> of_cell;
   for (const Material& material : materials) {
     for (const palpate::Rheology& rheology : rheologies) {
-      scene.material_of_cell[of_cell.size()] = static_cast<Index>(of_cell.size());
-      scene.materials.push_back(material);
+      scene.body.material_of_cell[of_cell.size()] = static_cast<Index>(of_cell.size());
+      scene.organ.materials.push_back(material);
       of_cell.push_back(rheology);
     }
   }
   const auto grid = vtkPalpateGridFromScene(scene);
-  vtkPalpateWriteRheologies(of_cell, scene.material_of_cell, grid);
+  vtkPalpateWriteRheologies(of_cell, scene.body.material_of_cell, grid);
   ASSERT_TRUE(grid->GetCellData()->HasArray("PronyTime4"));
   EXPECT_EQ(Write(grid, file()), "");
   const auto back = Read(file());
@@ -343,21 +344,21 @@ TEST_F(Febio, DensityAndViscosityComeBackTheSame) {
 TEST_F(Febio, AFieldOfDensityComesBackTheSame) {
   constexpr int num_cells = 2 * vtkPalpateFEBioWriter::MostParts;
   Scene scene = Row(ElementOrder::linear, num_cells);
-  scene.materials.assign(num_cells, scene.materials[0]);
+  scene.organ.materials.assign(num_cells, scene.organ.materials[0]);
   std::vector<palpate::Rheology> rheologies;
   for (int cell = 0; cell < num_cells; ++cell) {
-    scene.material_of_cell[cell] = cell;
+    scene.body.material_of_cell[cell] = cell;
     rheologies.push_back(Viscous(1000 + cell / 7.0, {0.5}, {0.1}));
   }
   const auto grid = vtkPalpateGridFromScene(scene);
-  vtkPalpateWriteRheologies(rheologies, scene.material_of_cell, grid);
+  vtkPalpateWriteRheologies(rheologies, scene.body.material_of_cell, grid);
   EXPECT_EQ(Write(grid, file()), "");
   EXPECT_NE(TextOf(file()).find("<density type=\"map\">Body_density</density>"), std::string::npos);
   EXPECT_EQ(ArraysThatDiffer(grid, Read(file())), std::set<std::string>{});
 
   // One number for a material there.
   for (int cell = 0; cell < num_cells; ++cell) rheologies[cell].prony_times[0] += cell;
-  vtkPalpateWriteRheologies(rheologies, scene.material_of_cell, grid);
+  vtkPalpateWriteRheologies(rheologies, scene.body.material_of_cell, grid);
   const std::string message = Write(grid, file());
   EXPECT_NE(message.find("PronyTime"), std::string::npos) << message;
   EXPECT_NE(message.find("at most 100 are written"), std::string::npos) << message;
@@ -366,14 +367,15 @@ TEST_F(Febio, AFieldOfDensityComesBackTheSame) {
 // What is neither in the file nor computed the same by FEBio is named.
 TEST_F(Febio, WhatIsLeftOutIsNamed) {
   Scene scene = Row(ElementOrder::linear, 3);
-  scene.materials = {palpate::make_isotropic(Law::neo_hookean, 1000, 0.49),
-                     palpate::with_formulation(palpate::make_isotropic(Law::neo_hookean, 9, 0.3),
-                                               Formulation::mixed)};
-  scene.material_of_cell = {0, 1, 1};
+  scene.organ.materials = {
+      palpate::make_isotropic(Law::neo_hookean, 1000, 0.49),
+      palpate::with_formulation(palpate::make_isotropic(Law::neo_hookean, 9, 0.3),
+                                Formulation::mixed)};
+  scene.body.material_of_cell = {0, 1, 1};
   const auto grid = vtkPalpateGridFromScene(scene);
   std::vector<palpate::Rheology> rheologies(2, Viscous(1, {0.5}, {0.1}));
   rheologies[1].viscous_time = 0.02;
-  vtkPalpateWriteRheologies(rheologies, scene.material_of_cell, grid);
+  vtkPalpateWriteRheologies(rheologies, scene.body.material_of_cell, grid);
   const auto add = [](vtkFieldData* data, const char* name, vtkIdType size) {
     vtkNew<vtkIntArray> array;
     array->SetName(name);
@@ -408,7 +410,7 @@ TEST_F(Febio, ALawThatFebioDefinesOtherwiseIsRefused) {
        "Set C03 to 0"}};
   for (const auto& [material, words] : refused) {
     Scene scene = Row(ElementOrder::linear, 2);
-    scene.materials[0] = material;
+    scene.organ.materials[0] = material;
     const std::string message = Write(vtkPalpateGridFromScene(scene), file());
     EXPECT_NE(message.find("The law " + palpate::to_string(material.law) + " cannot be written"),
               std::string::npos)
@@ -493,17 +495,17 @@ TEST_F(Febio, TheEnergiesAreTheSame) {
 TEST_F(Febio, OfSpecification40WithUnitsOfItsOwn) {
   const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(Data("febio_40.feb"), kNotSaid);
   const Scene& scene = model.Scene;
-  ASSERT_EQ(scene.mesh.num_cells(), 2);
+  ASSERT_EQ(scene.body.mesh.num_cells(), 2);
   // In the order of the ids, which are not the places.
-  EXPECT_EQ(scene.mesh.cells, (std::vector<Index>{0, 1, 2, 3, 1, 2, 3, 4}));
-  EXPECT_EQ(scene.mesh.points[4], palpate::Vec3(0.01, 0.01, 0.01));
-  EXPECT_EQ(scene.materials[scene.material_of_cell[0]],
+  EXPECT_EQ(scene.body.mesh.cells, (std::vector<Index>{0, 1, 2, 3, 1, 2, 3, 4}));
+  EXPECT_EQ(scene.body.mesh.points[4], palpate::Vec3(0.01, 0.01, 0.01));
+  EXPECT_EQ(scene.organ.materials[scene.body.material_of_cell[0]],
             palpate::make_isotropic(Law::neo_hookean, 6000, 0.4));
-  EXPECT_EQ(scene.materials[scene.material_of_cell[1]],
+  EXPECT_EQ(scene.organ.materials[scene.body.material_of_cell[1]],
             palpate::with_formulation(palpate::make_mooney_rivlin(2000, 1000, 500000),
                                       Formulation::mixed));
-  EXPECT_EQ(scene.fixed, (std::vector<char>{1, 1, 1, 0, 0}));
-  EXPECT_EQ(scene.touchable, (std::vector<char>{0, 0, 0, 0, 1}));
+  EXPECT_EQ(scene.body.fixed, (std::vector<char>{1, 1, 1, 0, 0}));
+  EXPECT_EQ(scene.body.touchable, (std::vector<char>{0, 0, 0, 0, 1}));
   EXPECT_EQ(model.Regions, (std::vector<std::string>{"Part2", "Part1"}));
   EXPECT_EQ(model.RegionOfCell, (std::vector<int>{1, 0}));
   EXPECT_TRUE(model.Warnings.empty());
@@ -525,13 +527,15 @@ TEST_F(Febio, AViscousMaterialOfAnotherHand) {
       "<g0>0.5</g0><g1>0.25</g1><t1>2</t1><g3>0.5</g3><t3>0.1</t3><g6>0.125</g6><t6>2</t6>";
   const std::string density = "<density>0.5</density>";
   const vtkPalpateFEBioModel model = read(viscous(density + series, "viscoelastic"));
-  const Index material = model.Scene.material_of_cell[0];
-  EXPECT_EQ(model.Scene.materials[material], palpate::make_isotropic(Law::neo_hookean, 3000, 0.4));
+  const Index material = model.Scene.body.material_of_cell[0];
+  EXPECT_EQ(model.Scene.organ.materials[material],
+            palpate::make_isotropic(Law::neo_hookean, 3000, 0.4));
   EXPECT_EQ(model.Rheologies[material], Viscous(5e11, {1, 0.75}, {0.1, 2}));
   EXPECT_TRUE(model.Warnings.empty());
   // FEBio takes the density of the outer material.
   const vtkPalpateFEBioModel light = read(viscous(series, "viscoelastic"));
-  EXPECT_EQ(light.Rheologies[light.Scene.material_of_cell[0]], Viscous(0, {1, 0.75}, {0.1, 2}));
+  EXPECT_EQ(light.Rheologies[light.Scene.body.material_of_cell[0]],
+            Viscous(0, {1, 0.75}, {0.1, 2}));
   ASSERT_EQ(light.Warnings.size(), 1U);
   EXPECT_NE(light.Warnings[0].find("Liver has no density"), std::string::npos) << light.Warnings[0];
 
@@ -569,10 +573,10 @@ TEST_F(Febio, AnUncoupledViscousMaterialOfAnotherHand) {
   const auto read = [&](const std::string& material) {
     std::ofstream(file()) << text_with(material);
     const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(file(), kNotSaid);
-    EXPECT_EQ(model.Scene.materials[model.Scene.material_of_cell[1]],
+    EXPECT_EQ(model.Scene.organ.materials[model.Scene.body.material_of_cell[1]],
               palpate::with_formulation(palpate::make_mooney_rivlin(2000, 1000, 500000),
                                         Formulation::mixed));
-    EXPECT_EQ(model.Rheologies[model.Scene.material_of_cell[1]], Viscous(5e11, {0.5}, {0.1}));
+    EXPECT_EQ(model.Rheologies[model.Scene.body.material_of_cell[1]], Viscous(5e11, {0.5}, {0.1}));
     return model.Warnings;
   };
   const std::string outer =
@@ -634,13 +638,13 @@ TEST_F(Febio, PointsHeldAlongSomeAxesAreRead) {
   palpate::HeldDirections held = palpate::HeldDirections::Identity();
   const palpate::HeldDirections none = palpate::HeldDirections::Zero();
   Scene scene = read(Replaced(good, "<z_dof>1</z_dof>", "<z_dof>0</z_dof>"));
-  EXPECT_EQ(scene.fixed, (std::vector<char>(5, 0)));
-  EXPECT_EQ(scene.held_directions,
+  EXPECT_EQ(scene.body.fixed, (std::vector<char>(5, 0)));
+  EXPECT_EQ(scene.body.held_directions,
             (std::vector<palpate::HeldDirections>{held, held, held, none, none}));
   scene = read(Replaced(good, "<x_dof>1</x_dof>\n\t\t\t<y_dof>1</y_dof>",
                         "<x_dof>0</x_dof>\n\t\t\t<y_dof>0</y_dof>"));
   held << 0, 0, 0, 0, 1, 0;
-  EXPECT_EQ(scene.held_directions,
+  EXPECT_EQ(scene.body.held_directions,
             (std::vector<palpate::HeldDirections>{held, held, held, none, none}));
 
   const std::string slope =
@@ -653,14 +657,14 @@ TEST_F(Febio, PointsHeldAlongSomeAxesAreRead) {
   const std::string plane = "<constraint type=\"symmetry plane\" surface=\"";
   scene = read(constrained(plane + "Slope\"/>"));
   // The first three are fixed.
-  EXPECT_EQ(scene.fixed, (std::vector<char>{1, 1, 1, 0, 0}));
+  EXPECT_EQ(scene.body.fixed, (std::vector<char>{1, 1, 1, 0, 0}));
   held << palpate::Vec3::Ones() / std::sqrt(3.0), palpate::Vec3::Zero();
-  ASSERT_EQ(scene.held_directions.size(), 5U);
-  EXPECT_TRUE(scene.held_directions[3].isApprox(held));
-  EXPECT_EQ(scene.held_directions[2], none);
+  ASSERT_EQ(scene.body.held_directions.size(), 5U);
+  EXPECT_TRUE(scene.body.held_directions[3].isApprox(held));
+  EXPECT_EQ(scene.body.held_directions[2], none);
   // With a plane through all three axes' directions a point is fixed.
   scene = read(Replaced(constrained(plane + "Slope\"/>"), "<z_dof>1</z_dof>", "<z_dof>0</z_dof>"));
-  EXPECT_EQ(scene.fixed, (std::vector<char>{0, 1, 1, 0, 0}));
+  EXPECT_EQ(scene.body.fixed, (std::vector<char>{0, 1, 1, 0, 0}));
 
   const auto expect = [&](const std::string& text, const std::string& words) {
     const std::string message = error_of(text);
@@ -694,16 +698,16 @@ TEST_F(Febio, ConstantLoadsOfAnotherHandAreRead) {
   // mm and MPa.
   vtkPalpateFEBioModel model = read(outward, pressure("<pressure>0.5</pressure>"));
   EXPECT_TRUE(model.Warnings.empty());
-  EXPECT_EQ(model.Scene.applied_pressure, (std::vector<double>{5e5, 5e5, 5e5, 0, 0}));
+  EXPECT_EQ(model.Scene.body.applied_pressure, (std::vector<double>{5e5, 5e5, 5e5, 0, 0}));
   model = read(inward, pressure("<linear>0</linear><pressure>0.5</pressure>"));
-  EXPECT_EQ(model.Scene.applied_pressure, (std::vector<double>{-5e5, -5e5, -5e5, 0, 0}));
+  EXPECT_EQ(model.Scene.body.applied_pressure, (std::vector<double>{-5e5, -5e5, -5e5, 0, 0}));
   model = read(outward, head +
                             "traction\"><scale>2</scale><traction>0,0.25,-1</traction>"
                             "</surface_load>");
   EXPECT_TRUE(model.Warnings.empty());
-  ASSERT_EQ(model.Scene.applied_traction.size(), 5U);
-  EXPECT_EQ(model.Scene.applied_traction[1], palpate::Vec3(0, 5e5, -2e6));
-  EXPECT_EQ(model.Scene.applied_traction[4], palpate::Vec3(palpate::Vec3::Zero()));
+  ASSERT_EQ(model.Scene.body.applied_traction.size(), 5U);
+  EXPECT_EQ(model.Scene.body.applied_traction[1], palpate::Vec3(0, 5e5, -2e6));
+  EXPECT_EQ(model.Scene.body.applied_traction[4], palpate::Vec3(palpate::Vec3::Zero()));
   const auto grid = Read(file());
   EXPECT_TRUE(grid->GetPointData()->HasArray("AppliedTraction"));
   EXPECT_FALSE(grid->GetPointData()->HasArray("RestDisplacement"));
@@ -776,15 +780,15 @@ TEST_F(Febio, ManyOfAKindAreReadAtOnce) {
   for (const char* reference : {"N", "All", "@elem_set:E"}) {
     SCOPED_TRACE(reference);
     const Scene of = read(held(reference)).Scene;
-    ASSERT_EQ(of.held_directions.size(), of.mesh.points.size());
-    EXPECT_EQ(of.held_directions[num - 1].col(0), palpate::Vec3::UnitX());
+    ASSERT_EQ(of.body.held_directions.size(), of.body.mesh.points.size());
+    EXPECT_EQ(of.body.held_directions[num - 1].col(0), palpate::Vec3::UnitX());
     // The last points are in the last element, and in no other set.
     const bool has_last = std::string(reference) == "@elem_set:E";
-    EXPECT_EQ(of.held_directions[num + 2].isZero(0), !has_last);
+    EXPECT_EQ(of.body.held_directions[num + 2].isZero(0), !has_last);
   }
 
   // One face for each: every other tetrahedron's first one is apart from the others.
-  const std::vector<Index> faces = palpate::boundary_faces(scene.mesh);
+  const std::vector<Index> faces = palpate::boundary_faces(scene.body.mesh);
   const int num_faces = static_cast<int>(faces.size() / 3);
   const auto surface = [&](const std::string& i) {
     const Index* face = &faces[3 * (std::stoul(i) - 1)];
@@ -798,25 +802,28 @@ TEST_F(Febio, ManyOfAKindAreReadAtOnce) {
   const vtkPalpateFEBioModel loaded = read(
       with(ForEachOf(num_faces, surface), "<Loads>" + ForEachOf(num_faces, load) + "</Loads>"));
   // Those that would load others, too, are left out.
-  EXPECT_FALSE(palpate::faces_with(loaded.Scene.mesh, loaded.Scene.applied_traction).empty());
-  EXPECT_EQ(loaded.Warnings.size() +
-                palpate::faces_with(loaded.Scene.mesh, loaded.Scene.applied_traction).size() / 3,
-            static_cast<std::size_t>(num_faces));
+  EXPECT_FALSE(
+      palpate::faces_with(loaded.Scene.body.mesh, loaded.Scene.body.applied_traction).empty());
+  EXPECT_EQ(
+      loaded.Warnings.size() +
+          palpate::faces_with(loaded.Scene.body.mesh, loaded.Scene.body.applied_traction).size() /
+              3,
+      static_cast<std::size_t>(num_faces));
 
-  scene.materials.clear();
+  scene.organ.materials.clear();
   for (Index cell = 0; cell < num; ++cell) {
-    scene.materials.push_back(palpate::make_isotropic(Law::neo_hookean, 1000 + cell, 0.3));
-    scene.material_of_cell[cell] = cell;
+    scene.organ.materials.push_back(palpate::make_isotropic(Law::neo_hookean, 1000 + cell, 0.3));
+    scene.body.material_of_cell[cell] = cell;
   }
   EXPECT_EQ(Write(vtkPalpateGridFromScene(scene), file("materials.feb")), "");
-  EXPECT_EQ(read(TextOf(file("materials.feb"))).Scene.materials, scene.materials);
+  EXPECT_EQ(read(TextOf(file("materials.feb"))).Scene.organ.materials, scene.organ.materials);
 
   std::string mesh;
   std::string materials;
   std::string domains;
   for (int i = 1; i <= num; ++i) {
     const std::string number = std::to_string(i);
-    const Index* cell = &scene.mesh.cells[4 * (i - 1)];
+    const Index* cell = &scene.body.mesh.cells[4 * (i - 1)];
     mesh += "<Elements type=\"tet4\" name=\"P" + number + "\"><elem id=\"" + number + "\">";
     for (int a = 0; a < 4; ++a) mesh += (a > 0 ? "," : "") + std::to_string(cell[a] + 1);
     mesh += "</elem></Elements>";
@@ -836,7 +843,7 @@ TEST_F(Febio, ManyOfAKindAreReadAtOnce) {
   parts = between(parts, "MeshDomains", "<MeshDomains>" + domains + "</MeshDomains>");
   const vtkPalpateFEBioModel of_parts = read(parts);
   EXPECT_EQ(of_parts.Regions.size(), static_cast<std::size_t>(num));
-  EXPECT_EQ(of_parts.Scene.materials.size(), static_cast<std::size_t>(num));
+  EXPECT_EQ(of_parts.Scene.organ.materials.size(), static_cast<std::size_t>(num));
 }
 
 // kg/m³ is Pa s²/m², and the time is in s in all of them.
@@ -851,7 +858,7 @@ TEST_F(Febio, ASetNamesNoMoreThanTheMeshHas) {
   const std::string good = TextOf(Data("febio_40.feb"));
   const auto touchable = [&](const std::string& ids) {
     std::ofstream(file()) << Replaced(good, ">6</NodeSet>", ">" + ids + "</NodeSet>");
-    return vtkPalpateReadFEBio(file(), kNotSaid).Scene.touchable;
+    return vtkPalpateReadFEBio(file(), kNotSaid).Scene.body.touchable;
   };
   EXPECT_EQ(touchable(" 1:3 , 6"), (std::vector<char>{1, 1, 1, 0, 1}));
   EXPECT_EQ(touchable("2:6:4,+1"), (std::vector<char>{1, 1, 0, 0, 1}));
@@ -922,12 +929,12 @@ TEST_F(Febio, APipeIsRefusedAndNotWaitedFor) {
 TEST_F(Febio, OfSpecification30) {
   const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(Data("febio_30.feb"), kNotSaid);
   EXPECT_EQ(
-      model.Scene.materials[0],
+      model.Scene.organ.materials[0],
       palpate::with_formulation(palpate::make_material(Law::ogden, {50000, 631, -24, 0, 0, 50, 3}),
                                 Formulation::displacement));
-  EXPECT_EQ(model.Scene.fixed, (std::vector<char>{1, 1, 1, 0}));
+  EXPECT_EQ(model.Scene.body.fixed, (std::vector<char>{1, 1, 1, 0}));
   // Where there is no set of that name, the corners of the surface that are free.
-  EXPECT_EQ(model.Scene.touchable, (std::vector<char>{0, 0, 0, 1}));
+  EXPECT_EQ(model.Scene.body.touchable, (std::vector<char>{0, 0, 0, 1}));
   ASSERT_EQ(model.Warnings.size(), 2U);
   EXPECT_EQ(model.Warnings[0].rfind("<surface_load name=\"Pressure1\">", 0), 0U);
   EXPECT_EQ(model.Warnings[1].rfind("<bc name=\"Pull\">", 0), 0U);
@@ -936,15 +943,16 @@ TEST_F(Febio, OfSpecification30) {
 TEST_F(Febio, OfSpecification25WithUnitsThatAreSaid) {
   const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(Data("febio_25.feb"), kMillimetreNewton);
   const Scene& scene = model.Scene;
-  EXPECT_EQ(scene.mesh.order, ElementOrder::quadratic);
-  EXPECT_EQ(scene.materials[0], palpate::make_isotropic(Law::st_venant_kirchhoff, 5e6, 0.3));
-  EXPECT_EQ(scene.fixed, (std::vector<char>{1, 1, 1, 0, 1, 1, 1, 0, 0, 0}));
+  EXPECT_EQ(scene.body.mesh.order, ElementOrder::quadratic);
+  EXPECT_EQ(scene.organ.materials[0], palpate::make_isotropic(Law::st_venant_kirchhoff, 5e6, 0.3));
+  EXPECT_EQ(scene.body.fixed, (std::vector<char>{1, 1, 1, 0, 1, 1, 1, 0, 0, 0}));
   // Each midside node is in the middle of the edge that VTK means by its place.
   constexpr int edges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-  const Index* nodes = scene.mesh.cell(0);
+  const Index* nodes = scene.body.mesh.cell(0);
   for (int i = 0; i < 6; ++i) {
-    EXPECT_EQ(scene.mesh.points[nodes[4 + i]],
-              (scene.mesh.points[nodes[edges[i][0]]] + scene.mesh.points[nodes[edges[i][1]]]) / 2);
+    EXPECT_EQ(scene.body.mesh.points[nodes[4 + i]], (scene.body.mesh.points[nodes[edges[i][0]]] +
+                                                     scene.body.mesh.points[nodes[edges[i][1]]]) /
+                                                        2);
   }
 }
 
@@ -1051,12 +1059,12 @@ TEST_F(Febio, AFileThatWasThereStaysWhereWritingFails) {
 
 TEST_F(Febio, SaysWhatTheFileDoesNot) {
   Scene scene = Row(ElementOrder::quadratic, 2);
-  scene.materials[0] = palpate::make_isotropic(Law::neo_hookean, 1000, 0.49);
+  scene.organ.materials[0] = palpate::make_isotropic(Law::neo_hookean, 1000, 0.49);
   std::string message = Write(vtkPalpateGridFromScene(scene), file());
   EXPECT_NE(message.find("too stiff"), std::string::npos) << message;
   ExpectSame(vtkPalpateReadFEBio(file(), kNotSaid).Scene, scene);
   scene = Row(ElementOrder::quadratic, 2);
-  scene.touchable.assign(scene.touchable.size(), 0);
+  scene.body.touchable.assign(scene.body.touchable.size(), 0);
   message = Write(vtkPalpateGridFromScene(scene), file());
   EXPECT_NE(message.find("No point may be touched"), std::string::npos) << message;
 }

@@ -45,14 +45,14 @@ Scene SceneOf(const nlohmann::json& reference) {
   reader->Update();
   vtkUnstructuredGrid* grid = reader->GetOutput();
   Scene scene;
-  scene.mesh = vtkPalpateMeshFromGrid(grid);
+  scene.body.mesh = vtkPalpateMeshFromGrid(grid);
   vtkDataArray* fixed = grid->GetPointData()->GetArray(vtkPalpateArray::Fixed);
   for (vtkIdType p = 0; p < fixed->GetNumberOfTuples(); ++p) {
-    scene.fixed.push_back(fixed->GetTuple1(p) != 0 ? 1 : 0);
+    scene.body.fixed.push_back(fixed->GetTuple1(p) != 0 ? 1 : 0);
   }
-  scene.touchable = vtkPalpateTouchableSurface(scene.mesh, scene.fixed);
+  scene.body.touchable = vtkPalpateTouchableSurface(scene.body.mesh, scene.body.fixed);
   EXPECT_EQ(reference.at("law"), "Neo-Hookean");
-  scene.materials = {palpate::make_isotropic(
+  scene.organ.materials = {palpate::make_isotropic(
       palpate::Law::neo_hookean, reference.at("YoungsModulus"), reference.at("PoissonsRatio"))};
   return scene;
 }
@@ -89,7 +89,7 @@ TEST_P(ContactReference, IsReached) {
 
   const Scene scene = SceneOf(reference);
   const palpate::RigidContact contact(std::make_shared<const palpate::ContactSurface>(
-                                          palpate::ContactSurface::divided(scene, kDivisions)),
+                                          palpate::ContactSurface::divided(scene.body, kDivisions)),
                                       palpate::make_sphere(reference.at("radius")),
                                       {reference.at("thickness"), reference.at("stiffness")});
   palpate::EquilibriumSolver solver(scene, {});
@@ -98,7 +98,7 @@ TEST_P(ContactReference, IsReached) {
   const double height = reference.at("radius").get<double>() - expected.at("depth").get<double>();
   const Vec3 deep = Vector(expected.at("contact_point")) + height * normal;
   Vec3 start = deep;
-  while (Touches(contact, start, scene.mesh.points.size())) {
+  while (Touches(contact, start, scene.body.mesh.points.size())) {
     start += kStep * normal;
   }
   const Vec3 centre = Vector(expected.at("centre"));

@@ -23,18 +23,18 @@ using palpate::Scene;
 /// Two tetrahedra on a common face, each of its own material, held at one corner.
 Scene TwoTetrahedra(palpate::ElementOrder order) {
   Scene scene;
-  scene.mesh.order = order;
-  scene.mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+  scene.body.mesh.order = order;
+  scene.body.mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
   const std::vector<std::array<palpate::Index, 4>> corners = {{0, 1, 2, 3}, {1, 2, 3, 4}};
   constexpr int edges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
   for (const auto& cell : corners) {
-    scene.mesh.cells.insert(scene.mesh.cells.end(), cell.begin(), cell.end());
+    scene.body.mesh.cells.insert(scene.body.mesh.cells.end(), cell.begin(), cell.end());
     for (const auto& edge : edges) {
       if (order == palpate::ElementOrder::quadratic) {
-        auto& points = scene.mesh.points;
+        auto& points = scene.body.mesh.points;
         const palpate::Vec3 middle = (points[cell[edge[0]]] + points[cell[edge[1]]]) / 2;
         const auto known = std::find(points.begin(), points.end(), middle);
-        scene.mesh.cells.push_back(static_cast<palpate::Index>(known - points.begin()));
+        scene.body.mesh.cells.push_back(static_cast<palpate::Index>(known - points.begin()));
         if (known == points.end()) {
           points.push_back(middle);
         }
@@ -42,13 +42,13 @@ Scene TwoTetrahedra(palpate::ElementOrder order) {
     }
   }
   // Values that no binary fraction holds: what comes back is to be the same to the last bit.
-  scene.materials = {palpate::make_isotropic(Law::neo_hookean, 10000.1, 0.45),
-                     palpate::make_mooney_rivlin(1293.1, 431.03, 33333.3)};
-  scene.material_of_cell = {0, 1};
-  scene.fixed.assign(scene.mesh.points.size(), 0);
-  scene.fixed[0] = 1;
-  scene.touchable.assign(scene.mesh.points.size(), 0);
-  scene.touchable[4] = 1;
+  scene.organ.materials = {palpate::make_isotropic(Law::neo_hookean, 10000.1, 0.45),
+                           palpate::make_mooney_rivlin(1293.1, 431.03, 33333.3)};
+  scene.body.material_of_cell = {0, 1};
+  scene.body.fixed.assign(scene.body.mesh.points.size(), 0);
+  scene.body.fixed[0] = 1;
+  scene.body.touchable.assign(scene.body.mesh.points.size(), 0);
+  scene.body.touchable[4] = 1;
   palpate::check(scene);
   return scene;
 }
@@ -62,27 +62,27 @@ TEST_P(SceneAsData, ComesBackTheSame) {
             GetParam() == palpate::ElementOrder::linear ? VTK_TETRA : VTK_QUADRATIC_TETRA);
   const Scene back = vtkPalpateSceneFromGrid(grid);
   EXPECT_EQ(palpate::hash(back), palpate::hash(scene));
-  EXPECT_EQ(back.materials, scene.materials);
-  EXPECT_EQ(back.touchable, scene.touchable);
+  EXPECT_EQ(back.organ.materials, scene.organ.materials);
+  EXPECT_EQ(back.body.touchable, scene.body.touchable);
 }
 
 TEST_P(SceneAsData, WithoutTouchableTheFreeCornersOfTheSurfaceAre) {
   const Scene scene = TwoTetrahedra(GetParam());
   const auto grid = vtkPalpateGridFromScene(scene);
   grid->GetPointData()->RemoveArray(vtkPalpateArray::Touchable);
-  std::vector<char> corners(scene.mesh.points.size(), 0);
+  std::vector<char> corners(scene.body.mesh.points.size(), 0);
   std::fill_n(corners.begin() + 1, 4, 1);
-  EXPECT_EQ(vtkPalpateSceneFromGrid(grid).touchable, corners);
+  EXPECT_EQ(vtkPalpateSceneFromGrid(grid).body.touchable, corners);
 }
 
 TEST_P(SceneAsData, OneMaterialForAllCells) {
   Scene scene = TwoTetrahedra(GetParam());
-  scene.materials.resize(1);
-  scene.material_of_cell.clear();
+  scene.organ.materials.resize(1);
+  scene.body.material_of_cell.clear();
   const auto grid = vtkPalpateGridFromScene(scene);
   EXPECT_FALSE(grid->GetCellData()->HasArray("C10"));
   const Scene back = vtkPalpateSceneFromGrid(grid);
-  EXPECT_EQ(back.materials, scene.materials);
+  EXPECT_EQ(back.organ.materials, scene.organ.materials);
   EXPECT_EQ(palpate::hash(back), palpate::hash(scene));
 }
 
@@ -109,7 +109,7 @@ TEST_P(SceneAsData, AnyTwoMaterialsComeBackTheSame) {
   for (const palpate::Material& first : all) {
     for (const palpate::Material& second : all) {
       Scene scene = TwoTetrahedra(GetParam());
-      scene.materials = {first, second};
+      scene.organ.materials = {first, second};
       const auto grid = vtkPalpateGridFromScene(scene);
       const Scene back = vtkPalpateSceneFromGrid(grid);
       EXPECT_EQ(palpate::hash(back), palpate::hash(scene));
@@ -135,8 +135,8 @@ TEST_P(SceneAsData, AnyTwoMaterialsComeBackTheSame) {
 TEST_P(SceneAsData, ACellWithoutMaterialOrOfAnUnknownOneIsNamed) {
   const auto error = [](const char* array, double value) {
     Scene scene = TwoTetrahedra(GetParam());
-    scene.materials[1] = palpate::with_formulation(palpate::make_mooney_rivlin(100, 10, 500),
-                                                   palpate::Formulation::mixed);
+    scene.organ.materials[1] = palpate::with_formulation(palpate::make_mooney_rivlin(100, 10, 500),
+                                                         palpate::Formulation::mixed);
     const auto grid = vtkPalpateGridFromScene(scene);
     grid->GetCellData()->GetArray(array)->SetComponent(1, 0, value);
     try {

@@ -24,7 +24,7 @@ TEST(StateSpaceData, RoundTrip) {
   setups[1].policy.intermediate_states = 2;
   setups[1].policy.third_derivatives = true;
   for (palpate::ToolSpaceSetup& setup : setups) {
-    setup.interaction.material_point = scene.mesh.points[setup.interaction.active_node];
+    setup.interaction.material_point = scene.body.mesh.points[setup.interaction.active_node];
   }
   palpate::StateSpace whole = palpate::test::example_space(scene, setups);
   for (palpate::Configuration& c : whole.tool_spaces[1].configurations) {
@@ -38,7 +38,7 @@ TEST(StateSpaceData, RoundTrip) {
   const palpate::TouchSpace space = palpate::make_touch_space(whole);
   vtkNew<vtkPartitionedDataSetCollection> collection;
   vtkPalpateNameBlocks(collection, true);
-  vtkPalpateFillCollection(scene, space, collection);
+  vtkPalpateFillCollection({palpate::make_space_body(scene)}, space, collection);
 
   const palpate::TouchSpace read = vtkPalpateSpaceFromCollection(collection, nullptr);
   EXPECT_EQ(read.scene_hash, space.scene_hash);

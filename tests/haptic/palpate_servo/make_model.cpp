@@ -20,7 +20,7 @@ void make(const std::string& path, int num_models, const std::string& what) {
   const test::Block block =
       test::make_block(Law::neo_hookean, {ElementOrder::linear, {2, 1, 1}, 0.1, 3000, 0.35});
   ReductionTools tools;
-  const BondedPatches patches(block.scene, 0);
+  const BondedPatches patches(block.scene.body, 0);
   for (const Index node : {block.corner, block.middle}) {
     tools.nodes.push_back(node);
     tools.patches.push_back(patches.around(node));

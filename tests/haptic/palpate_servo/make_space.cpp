@@ -4,10 +4,17 @@
 //
 //   palpate_test_make_space block.palpate
 //   palpate_test_make_space pressed.palpate whole | part
+//
+// With "bodies", the block has a second, finer mesh with an active node of its own, whose number is
+// printed last.
+//
+//   palpate_test_make_space both.palpate bodies
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "exploration/precompute.h"
 #include "solvers/support/block.h"
@@ -21,7 +28,7 @@ PrecomputeOptions options_for(const test::Block& block, const std::string& exten
   options.active_nodes = {block.corner, block.middle};
   options.half_width = 0.01;
   options.resolution = 3;
-  if (extent.empty()) return options;
+  if (extent.empty() || extent == "bodies") return options;
   options.contact.emplace();
   options.contact->tool.radius = 0.012;
   options.contact->spacing = 0.005;
@@ -39,7 +46,8 @@ PrecomputeOptions options_for(const test::Block& block, const std::string& exten
 int main(int argc, char** argv) {
   using namespace palpate;
   const std::string extent = argc == 3 ? argv[2] : "";
-  if (argc < 2 || argc > 3 || (argc == 3 && extent != "whole" && extent != "part")) {
+  if (argc < 2 || argc > 3 ||
+      (argc == 3 && extent != "whole" && extent != "part" && extent != "bodies")) {
     return EXIT_FAILURE;
   }
   const test::Block block =
@@ -48,8 +56,18 @@ int main(int argc, char** argv) {
     PrecomputeOptions options = options_for(block, extent);
     options.file = argv[1];
     const auto communicator = make_serial_communicator();
-    (void)precompute(block.scene, options, *communicator, nullptr);
-    std::printf("%d %d\n", block.corner, block.middle);
+    std::vector<BodyOfRun> bodies{
+        {std::make_shared<const Scene>(block.scene), options.active_nodes}};
+    std::printf("%d %d", block.corner, block.middle);
+    if (extent == "bodies") {
+      options.keep = Keep::all;
+      const test::Block finer =
+          test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {4, 2, 2}, 0.1, 3000, 0.35});
+      bodies.push_back({std::make_shared<const Scene>(finer.scene), {finer.middle}});
+      std::printf(" %d", finer.middle);
+    }
+    std::printf("\n");
+    (void)precompute(bodies, options, *communicator, nullptr);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

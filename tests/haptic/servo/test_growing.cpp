@@ -45,7 +45,7 @@ struct Growing {
   }
 
   [[nodiscard]] Vec3 place() const {
-    return block.scene.mesh.points[static_cast<std::size_t>(block.middle)];
+    return block.scene.body.mesh.points[static_cast<std::size_t>(block.middle)];
   }
   [[nodiscard]] TouchSpace whole() const {
     return precompute(block.scene, options, *communicator, {}).space;
@@ -86,7 +86,7 @@ TEST(Growing, AServoTouchesASpaceThatIsSteeredByTheHand) {
   settings.workspace_centre = growing.place();
   servo.set_settings(settings);
 
-  TouchSpace space = make_empty_touch_space(growing.block.scene, hash(growing.block.scene));
+  TouchSpace space = make_empty_touch_space({make_space_body(growing.block.scene)});
   std::shared_ptr<const Touchable> body;
   int num_bodies = 0;
   const TakeChunk take_chunk = [&](const SpaceChunk& chunk) {
@@ -96,12 +96,13 @@ TEST(Growing, AServoTouchesASpaceThatIsSteeredByTheHand) {
     ++num_bodies;
     servo.set_touch(make_touch(body));
   };
-  const auto session = begin_exploration(std::make_shared<const Scene>(growing.block.scene),
-                                         growing.options, *growing.communicator, {}, take_chunk);
+  const auto session = begin_exploration(
+      {{std::make_shared<const Scene>(growing.block.scene), growing.options.active_nodes}},
+      growing.options, *growing.communicator, {}, take_chunk);
   servo.start();
   const auto steer_to_hand = [&] {
     const Vec3 hand = servo.latest().position - growing.place();
-    session->steer({{{growing.block.middle, {hand}, {}}, {growing.block.corner, {}, {}}}});
+    session->steer({{{{growing.block.middle}, {hand}, {}}, {{growing.block.corner}, {}, {}}}});
   };
   const auto after_ten = [first = std::int64_t{-1}](const ProgressState& state) mutable {
     first = first < 0 ? state.num_solved : first;
@@ -128,13 +129,14 @@ TEST(Growing, AServoTouchesASpaceThatIsSteeredByTheHand) {
 
 TEST(Growing, ABodySharesWhatAChunkLeavesAsItWas) {
   Growing growing;
-  TouchSpace space = make_empty_touch_space(growing.block.scene, hash(growing.block.scene));
+  TouchSpace space = make_empty_touch_space({make_space_body(growing.block.scene)});
   std::vector<SpaceChunk> chunks;
-  const auto session = begin_exploration(std::make_shared<const Scene>(growing.block.scene),
-                                         growing.options, *growing.communicator, {},
-                                         [&](const SpaceChunk& chunk) { chunks.push_back(chunk); });
+  const auto session = begin_exploration(
+      {{std::make_shared<const Scene>(growing.block.scene), growing.options.active_nodes}},
+      growing.options, *growing.communicator, {},
+      [&](const SpaceChunk& chunk) { chunks.push_back(chunk); });
   // One node after the other.
-  session->steer({{{growing.block.middle, {Vec3::Zero()}, {}}}});
+  session->steer({{{{growing.block.middle}, {Vec3::Zero()}, {}}}});
   EXPECT_EQ(session->run(), ExplorationSession::State::complete);
   ASSERT_EQ(chunks.size(), 3u);
   std::optional<Touchable> body;

@@ -22,7 +22,7 @@ BlockModel make_block_model(double youngs_modulus, double viscous_time, Law law,
   const WholeModel whole = make_whole_model(block.scene, {rheology}, tools, 0.01, gravity);
   result.model = std::make_shared<const ReducedModel>(whole.model);
   for (const Index point : {block.corner, block.middle}) {
-    result.places.push_back(block.scene.mesh.points[static_cast<std::size_t>(point)] +
+    result.places.push_back(block.scene.body.mesh.points[static_cast<std::size_t>(point)] +
                             whole.rest.segment<3>(3 * Eigen::Index{point}));
   }
   return result;

@@ -100,7 +100,7 @@ TEST_F(Accuracy, RowsOfSitesAddUp) {
 
 TEST_F(Accuracy, ASpaceOfAnotherBodyIsRefused) {
   Scene other = block_.scene;
-  other.materials[0].parameters[0] *= 2;
+  other.organ.materials[0].parameters[0] *= 2;
   const auto message = [&](const Scene& scene, const TouchSpace& space) {
     try {
       (void)measure_accuracy(scene, space, options_, *world_, nullptr);

@@ -114,7 +114,7 @@ TEST_F(ContactAccuracy, PointsAreEquilibriaInTheSpace) {
   const TouchSpace& space = space_as_set_up();
   const AccuracyResult result = run(space, *world_);
   const InteractionSpec& spec = space.tool_spaces.front().setup.interaction;
-  InteractionFactory tools(block_.scene);
+  InteractionFactory tools(block_.scene.body);
   const auto clearance = tools.clearance(spec);
   EquilibriumSolver solver(block_.scene, options_.exact.equilibrium);
   solver.set_interaction(*tools.make(spec));
@@ -304,8 +304,8 @@ TEST_F(ContactAccuracy, AnAbortedRunGoesOn) {
 // place is in the space it is told at once.
 TEST_F(ContactAccuracy, ADepthWithoutEndIsDrawnFrom) {
   if (world_->rank() != 0) return;
-  const SurfacePlaces places(block_.scene);
-  InteractionFactory tools(block_.scene);
+  const SurfacePlaces places(block_.scene.body, {});
+  InteractionFactory tools(block_.scene.body);
   const ToolSpaceSetup setup = setup_to(1e300);
   const auto clearance = tools.clearance(setup.interaction);
   const auto draw = [&](const std::function<bool(const Vec3&)>& holds) {
@@ -325,8 +325,8 @@ TEST_F(ContactAccuracy, ADepthWithoutEndIsDrawnFrom) {
 
 TEST_F(ContactAccuracy, FewPointsAreTheFirstOfManyAndSlidesGoOnInSmallSteps) {
   if (world_->rank() != 0) return;
-  const SurfacePlaces places(block_.scene);
-  InteractionFactory tools(block_.scene);
+  const SurfacePlaces places(block_.scene.body, {});
+  InteractionFactory tools(block_.scene.body);
   const ToolSpaceSetup setup = setup_to(kDepth);
   const auto clearance = tools.clearance(setup.interaction);
   const auto draw = [&](int num) {
@@ -380,7 +380,7 @@ TEST_F(ContactAccuracy, ASlideToAnotherBranchIsToldApart) {
     return q.x() > 0.055 && std::abs(q.y() - 0.02) < 0.015;
   };
   const ExactResult result = solve_test_points(plate, {setup}, options_.exact, *world_, nullptr);
-  InteractionFactory tools(plate);
+  InteractionFactory tools(plate.body);
   const auto clearance = tools.clearance(setup.interaction);
   EquilibriumSolver solver(plate, options_.exact.equilibrium);
   solver.set_interaction(*tools.make(setup.interaction));
@@ -416,8 +416,8 @@ TEST_F(ContactAccuracy, WhatCannotBeMeasuredIsRefused) {
   for (TouchToolSpace& tool_space : empty.tool_spaces) tool_space.configurations.resize(1);
   EXPECT_NE(message(empty).find("press a larger region"), std::string::npos) << message(empty);
   Scene untouchable = block_.scene;
-  std::fill(untouchable.touchable.begin(), untouchable.touchable.end(), 0);
-  EXPECT_THROW(SurfacePlaces{untouchable}, InputError);
+  std::fill(untouchable.body.touchable.begin(), untouchable.body.touchable.end(), 0);
+  EXPECT_THROW(SurfacePlaces(untouchable.body, {}), InputError);
 }
 
 }  // namespace

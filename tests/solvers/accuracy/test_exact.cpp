@@ -76,7 +76,7 @@ TEST_F(Exact, PointsAreEquilibria) {
   EquilibriumSolver solver(block_.scene, options_.equilibrium);
   for (std::size_t s = 0; s < setups_.size(); ++s) {
     solver.set_interaction(
-        BondedPatches(block_.scene, 0).around(setups_[s].interaction.active_node));
+        BondedPatches(block_.scene.body, 0).around(setups_[s].interaction.active_node));
     const Equilibrium rest = solver.rest();
     for (const TestPoint& point : result.points[s]) {
       ASSERT_EQ(point.outcome, Outcome::converged);
@@ -85,7 +85,7 @@ TEST_F(Exact, PointsAreEquilibria) {
       const double scale = (found.stiffness * point.t).norm();
       EXPECT_LE((found.reaction - point.force).norm(), 1e-7 * scale);
       EXPECT_LE((found.stiffness - point.stiffness).norm(), 1e-6 * found.stiffness.norm());
-      const std::vector<Index> samples = sample_points(make_surface(block_.scene.mesh));
+      const std::vector<Index> samples = sample_points(make_surface(block_.scene.body.mesh));
       ASSERT_EQ(point.displacement.size(), 3 * static_cast<Eigen::Index>(samples.size()));
     }
   }

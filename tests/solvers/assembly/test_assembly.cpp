@@ -36,7 +36,7 @@ class Body : public testing::TestWithParam<std::tuple<ElementOrder, Law>> {
 
   Body() {
     Block block = make_block(law(), {order(), {3, 3, 1}, kLength});
-    warp_curved(block.scene.mesh, wavy(Vec3::Constant(kLength)));
+    warp_curved(block.scene.body.mesh, wavy(Vec3::Constant(kLength)));
     scene_ = std::move(block.scene);
   }
 
@@ -45,7 +45,7 @@ class Body : public testing::TestWithParam<std::tuple<ElementOrder, Law>> {
 
   /// Large strains, without inversion: the points move by up to 12 % of the distance of corners.
   NodalVector random_displacement() {
-    return random_.vector(3 * scene_.mesh.num_points(), 0.12 * kSpacing);
+    return random_.vector(3 * scene_.body.mesh.num_points(), 0.12 * kSpacing);
   }
 
   Scene scene_;
@@ -136,7 +136,7 @@ TEST_P(Body, InternalForcesBalance) {
   for (Index p = 0; p < assembly.num_points(); ++p) {
     // About the deformed places, but for the linear law, which knows no others than those at rest.
     const Vec3 moved = law() == Law::linear ? Vec3::Zero() : Vec3(u.segment<3>(3 * p));
-    const Vec3 arm = scene_.mesh.points[p] + moved;
+    const Vec3 arm = scene_.body.mesh.points[p] + moved;
     sum += force.segment<3>(3 * p);
     moment += arm.cross(Vec3(force.segment<3>(3 * p)));
   }
@@ -154,13 +154,13 @@ TEST_P(Body, ARigidMotionCostsNothing) {
     const Mat3 h = linear ? Mat3(q - q.transpose()) : Mat3(q - Mat3::Identity());
     NodalVector u(3 * assembly.num_points());
     for (Index p = 0; p < assembly.num_points(); ++p) {
-      u.segment<3>(3 * p) = h * scene_.mesh.points[p] + shift;
+      u.segment<3>(3 * p) = h * scene_.body.mesh.points[p] + shift;
     }
     NodalVector force;
     const double energy = assembly.residual(u, force).energy;
     // A strain of one has the energy scale modulus × volume: what is left is a strain of some ε.
-    const double modulus = bulk_modulus(scene_.materials[0]);
-    EXPECT_LT(std::abs(energy), 1e-13 * modulus * volume(scene_.mesh));
+    const double modulus = bulk_modulus(scene_.organ.materials[0]);
+    EXPECT_LT(std::abs(energy), 1e-13 * modulus * volume(scene_.body.mesh));
     EXPECT_LT(force.lpNorm<Eigen::Infinity>(), 1e-12 * modulus * kSpacing * kSpacing);
     if (!linear) {
       EXPECT_NEAR(assembly.minimum_det_f(u).value, 1, kRounding);
@@ -184,7 +184,7 @@ TEST_P(NonlinearBody, ForcesTurnWithTheBody) {
   NodalVector turned(u.size());
   NodalVector expected(u.size());
   for (Index p = 0; p < assembly.num_points(); ++p) {
-    const Vec3& x = scene_.mesh.points[p];
+    const Vec3& x = scene_.body.mesh.points[p];
     turned.segment<3>(3 * p) = q * (x + u.segment<3>(3 * p)) - x;
     expected.segment<3>(3 * p) = q * force.segment<3>(3 * p);
   }
@@ -221,15 +221,15 @@ TEST_P(Body, TinyDisplacementsKeepTheirDigits) {
 
 TEST_P(Body, ItIsTheSumOfItsPieces) {
   // Materials change from cell to cell within a law, and the law from region to region.
-  const Index num_cells = scene_.mesh.num_cells();
+  const Index num_cells = scene_.body.mesh.num_cells();
   Scene mixed = scene_;
-  mixed.materials.clear();
-  mixed.material_of_cell.clear();
+  mixed.organ.materials.clear();
+  mixed.body.material_of_cell.clear();
   for (int i = 0; i < 7; ++i) {
     const Law other = i < 5 ? law() : kLaws[i - 4];
-    mixed.materials.push_back(make_material(other, 2000 + 700 * i, 0.1 + 0.05 * i));
+    mixed.organ.materials.push_back(make_material(other, 2000 + 700 * i, 0.1 + 0.05 * i));
   }
-  for (Index c = 0; c < num_cells; ++c) mixed.material_of_cell.push_back((c * 5) % 7);
+  for (Index c = 0; c < num_cells; ++c) mixed.body.material_of_cell.push_back((c * 5) % 7);
   const Assembly assembly(mixed);
   const NodalVector u = random_displacement();
   NodalVector force;
@@ -243,9 +243,10 @@ TEST_P(Body, ItIsTheSumOfItsPieces) {
   Eigen::MatrixXd k_sum = Eigen::MatrixXd::Zero(k.rows(), k.cols());
   for (Index m = 0; m < 7; ++m) {
     Scene piece = mixed;
-    piece.mesh = subset(mixed.mesh, [&](Index c) { return mixed.material_of_cell[c] == m; });
-    piece.material_of_cell.clear();
-    piece.materials = {mixed.materials[m]};
+    piece.body.mesh =
+        subset(mixed.body.mesh, [&](Index c) { return mixed.body.material_of_cell[c] == m; });
+    piece.body.material_of_cell.clear();
+    piece.organ.materials = {mixed.organ.materials[m]};
     const Assembly part(piece);
     NodalVector part_force;
     std::vector<double> part_values;
@@ -273,7 +274,7 @@ TEST_P(Body, ItIsTheSumOfItsPieces) {
 
 TEST_P(Body, InversionIsInfiniteEnergyWhereThereIsABarrierAndNeverANumberThatIsNone) {
   const Assembly assembly(scene_);
-  const auto& mesh = scene_.mesh;
+  const auto& mesh = scene_.body.mesh;
   Index through = -1;  // a free corner is pushed through the body
   for (Index p = 0; p < mesh.num_points(); ++p) {
     if (assembly.unknown_of_point()[p] >= 0) through = p;
@@ -304,24 +305,24 @@ TEST_P(Body, InversionIsInfiniteEnergyWhereThereIsABarrierAndNeverANumberThatIsN
 TEST(Assembly, IsLinearOnlyIfEveryCellIs) {
   Block block = make_block(Law::linear);
   EXPECT_TRUE(Assembly(block.scene).is_linear());
-  block.scene.materials.push_back(make_material(Law::neo_hookean, 3000, 0.3));
-  block.scene.material_of_cell.assign(block.scene.mesh.num_cells(), 0);
+  block.scene.organ.materials.push_back(make_material(Law::neo_hookean, 3000, 0.3));
+  block.scene.body.material_of_cell.assign(block.scene.body.mesh.num_cells(), 0);
   EXPECT_TRUE(Assembly(block.scene).is_linear()) << "a material that no cell has";
-  block.scene.material_of_cell.back() = 1;
+  block.scene.body.material_of_cell.back() = 1;
   EXPECT_FALSE(Assembly(block.scene).is_linear());
 }
 
 TEST(Assembly, UnknownsAreThoseOfFreePointsInUse) {
   Block block = make_block(Law::linear);
   Scene& scene = block.scene;
-  scene.mesh.points.insert(scene.mesh.points.begin(), Vec3(7, 7, 7));  // in no cell
-  for (Index& p : scene.mesh.cells) ++p;
-  scene.fixed.insert(scene.fixed.begin(), 0);
-  scene.touchable.insert(scene.touchable.begin(), 0);
+  scene.body.mesh.points.insert(scene.body.mesh.points.begin(), Vec3(7, 7, 7));  // in no cell
+  for (Index& p : scene.body.mesh.cells) ++p;
+  scene.body.fixed.insert(scene.body.fixed.begin(), 0);
+  scene.body.touchable.insert(scene.body.touchable.begin(), 0);
   const Assembly assembly(scene);
   Index next = 0;
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    if (p == 0 || scene.fixed[p] != 0) {
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    if (p == 0 || scene.body.fixed[p] != 0) {
       EXPECT_EQ(assembly.unknown_of_point()[p], -1);
     } else {
       EXPECT_EQ(assembly.unknown_of_point()[p], next);
@@ -357,7 +358,7 @@ TEST(Assembly, MeanEdge) {
 
 TEST(Assembly, AFoldedCellIsNamed) {
   Block block = make_block(Law::linear);
-  TetMesh& mesh = block.scene.mesh;
+  TetMesh& mesh = block.scene.body.mesh;
   const Index* cell = mesh.cell(3);
   // The midside node of the edge 01 far beyond the opposite corner.
   mesh.points[cell[4]] += 5 * (mesh.points[cell[2]] - mesh.points[cell[0]]);

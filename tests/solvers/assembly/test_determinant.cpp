@@ -44,28 +44,28 @@ TEST(Determinant, IsTheLeastOverQuadraturePointsAndCorners) {
     for (Mat3& a : field.a) a = random.matrix(2 * trial < kTrials ? 1.0 : 4.0);  // 4: det F < 0
 
     NodalVector u = NodalVector::Zero(assembly.state_size());
-    for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-      u.segment<3>(3 * p) = field.u(scene.mesh.points[p]);
+    for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+      u.segment<3>(3 * p) = field.u(scene.body.mesh.points[p]);
     }
     double least = std::numeric_limits<double>::max();
     double at_quadrature = least;
     Index where = -1;
     Index num_inverted = 0;
     Index num_between = 0;
-    for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
-      const Index* cell = scene.mesh.cell(c);
+    for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+      const Index* cell = scene.body.mesh.cell(c);
       double least_of_cell = std::numeric_limits<double>::max();
       for (const auto& point : quadrature(ElementOrder::quadratic)) {
         const Eigen::VectorXd n = shape_values(ElementOrder::linear, point.xi);
         Vec3 x = Vec3::Zero();
-        for (int i = 0; i < 4; ++i) x += n[i] * scene.mesh.points[cell[i]];
+        for (int i = 0; i < 4; ++i) x += n[i] * scene.body.mesh.points[cell[i]];
         least_of_cell = std::min(least_of_cell, field.det_f(x));
       }
       at_quadrature = std::min(at_quadrature, least_of_cell);
       for (int i = 0; i < 4; ++i) {
-        least_of_cell = std::min(least_of_cell, field.det_f(scene.mesh.points[cell[i]]));
+        least_of_cell = std::min(least_of_cell, field.det_f(scene.body.mesh.points[cell[i]]));
       }
-      if (least_of_cell > 0 && is_inverted(corner_jacobians(scene.mesh, c, u))) {
+      if (least_of_cell > 0 && is_inverted(corner_jacobians(scene.body.mesh, c, u))) {
         ++num_between;
       } else if (least_of_cell <= 0) {
         ++num_inverted;
@@ -89,11 +89,12 @@ TEST(Determinant, IsTheLeastOverQuadraturePointsAndCorners) {
     if (least < at_quadrature) ++in_a_corner;
     // A corner belongs to several cells, which see the same value but for rounding.
     const auto has = [&](Index cell, Index p) {
-      return std::find(scene.mesh.cell(cell), scene.mesh.cell(cell) + 4, p) !=
-             scene.mesh.cell(cell) + 4;
+      return std::find(scene.body.mesh.cell(cell), scene.body.mesh.cell(cell) + 4, p) !=
+             scene.body.mesh.cell(cell) + 4;
     };
     bool touches = false;
-    for (int i = 0; i < 4; ++i) touches = touches || has(found.cell, scene.mesh.cell(where)[i]);
+    for (int i = 0; i < 4; ++i)
+      touches = touches || has(found.cell, scene.body.mesh.cell(where)[i]);
     EXPECT_TRUE(touches || num_between > 0)
         << "cell " << found.cell << " is far from cell " << where;
   }

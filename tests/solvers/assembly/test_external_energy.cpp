@@ -32,12 +32,12 @@ enum class Of { pressure, springs, traction };
 
 Scene loaded(ElementOrder order, Of what) {
   Scene scene = make_block(Law::neo_hookean, {order}).scene;
-  const std::size_t n = scene.mesh.points.size();
-  if (what == Of::pressure) scene.applied_pressure.assign(n, kPressure);
-  for (const Vec3& p : scene.mesh.points) {
+  const std::size_t n = scene.body.mesh.points.size();
+  if (what == Of::pressure) scene.body.applied_pressure.assign(n, kPressure);
+  for (const Vec3& p : scene.body.mesh.points) {
     // What is not the same everywhere.
-    if (what == Of::springs) scene.support_stiffness.push_back(1e5 * (1 + 20 * p.x()));
-    if (what == Of::traction) scene.applied_traction.emplace_back(300, 4000 * p.y() + 1, -200);
+    if (what == Of::springs) scene.body.support_stiffness.push_back(1e5 * (1 + 20 * p.x()));
+    if (what == Of::traction) scene.body.applied_traction.emplace_back(300, 4000 * p.y() + 1, -200);
   }
   check(scene);
   return scene;
@@ -47,8 +47,8 @@ Scene loaded(ElementOrder order, Of what) {
 NodalVector random_state(const Scene& scene, const Assembly& assembly, Random& random) {
   NodalVector state = NodalVector::Zero(assembly.state_size());
   const Eigen::VectorXd a = random.vector(9, 1.0);
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    const Vec3& x = scene.mesh.points[p];
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    const Vec3& x = scene.body.mesh.points[p];
     const Vec3 bend(a[6] * x.y() * x.z(), a[7] * x.x() * x.x(), a[8] * x.x() * x.y());
     state.segment<3>(3 * Eigen::Index{p}) =
         0.2 * Vec3(a[0] * x.x() + a[1] * x.y(), a[2] * x.y() + a[3] * x.z(),
@@ -66,7 +66,8 @@ TEST_P(External, ForceAndTangentAreDerivativesOfTheEnergy) {
     const ExternalEnergy external(scene, assembly);
     const NodalVector state = random_state(scene, assembly, random);
     NodalVector way = NodalVector::Zero(state.size());
-    way.head(3 * scene.mesh.num_points()) = random.vector(3 * scene.mesh.num_points(), 1e-3);
+    way.head(3 * scene.body.mesh.num_points()) =
+        random.vector(3 * scene.body.mesh.num_points(), 1e-3);
     NodalVector force = NodalVector::Zero(state.size());
     std::vector<double> values(assembly.pattern().num_values(), 0.0);
     (void)external.add(state, force, &values);
@@ -100,36 +101,38 @@ TEST_P(External, APressureOnAClosedSurfaceHasTheEnergyOfItsVolume) {
   Mat3 f;
   f << 1.2, 0.1, 0, -0.2, 0.9, 0.3, 0, 0.1, 1.1;
   NodalVector state = NodalVector::Zero(assembly.state_size());
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    state.segment<3>(3 * Eigen::Index{p}) = (f - Mat3::Identity()) * scene.mesh.points[p];
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    state.segment<3>(3 * Eigen::Index{p}) = (f - Mat3::Identity()) * scene.body.mesh.points[p];
   }
   NodalVector force = NodalVector::Zero(state.size());
   const double energy = external.add(state, force, nullptr);
-  const double change = (f.determinant() - 1) * volume(scene.mesh);
-  EXPECT_NEAR(energy, kPressure * change, 1e-12 * kPressure * volume(scene.mesh));
+  const double change = (f.determinant() - 1) * volume(scene.body.mesh);
+  EXPECT_NEAR(energy, kPressure * change, 1e-12 * kPressure * volume(scene.body.mesh));
   // It pushes the body together, and as a whole nowhere.
   Vec3 sum = Vec3::Zero();
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) sum += force.segment<3>(3 * Eigen::Index{p});
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p)
+    sum += force.segment<3>(3 * Eigen::Index{p});
   EXPECT_LT(sum.norm(), 1e-12 * force.norm());
 }
 
 TEST_P(External, ATractionIsItsAreaTimesItself) {
   Scene scene = make_scene(make_box(GetParam(), {2, 2, 1}, Vec3(0.1, 0.06, 0.05)),
                            make_material(Law::linear, 1000, 0.3), {});
-  scene.fixed.assign(scene.mesh.points.size(), 0);
-  scene.applied_traction.assign(scene.fixed.size(), Vec3::Zero());
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    scene.fixed[p] = scene.mesh.points[p].z() == 0 ? 1 : 0;
-    if (scene.fixed[p] == 0) scene.touchable[p] = 1;
-    if (scene.mesh.points[p].z() > 0.049) scene.applied_traction[p] = Vec3(10, -20, 30);
+  scene.body.fixed.assign(scene.body.mesh.points.size(), 0);
+  scene.body.applied_traction.assign(scene.body.fixed.size(), Vec3::Zero());
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    scene.body.fixed[p] = scene.body.mesh.points[p].z() == 0 ? 1 : 0;
+    if (scene.body.fixed[p] == 0) scene.body.touchable[p] = 1;
+    if (scene.body.mesh.points[p].z() > 0.049) scene.body.applied_traction[p] = Vec3(10, -20, 30);
   }
-  scene.touchable.resize(scene.fixed.size(), 0);
+  scene.body.touchable.resize(scene.body.fixed.size(), 0);
   check(scene);
   const Assembly assembly(scene);
   NodalVector force = NodalVector::Zero(assembly.state_size());
   (void)ExternalEnergy(scene, assembly).add(NodalVector::Zero(force.size()), force, nullptr);
   Vec3 sum = Vec3::Zero();
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) sum -= force.segment<3>(3 * Eigen::Index{p});
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p)
+    sum -= force.segment<3>(3 * Eigen::Index{p});
   EXPECT_LT((sum - 0.1 * 0.06 * Vec3(10, -20, 30)).norm(), 1e-13);
 }
 
@@ -158,13 +161,14 @@ TEST_P(External, CavitiesAreTheSurfacesThatCloseInNoBody) {
 Scene box_on_planes() {
   Scene scene = make_scene(make_box(ElementOrder::linear, {2, 2, 2}, Vec3(0.1, 0.1, 0.1)),
                            make_material(Law::linear, 1000, 0.3), std::vector<char>(27, 0));
-  scene.held_directions.assign(27, HeldDirections::Zero());
+  scene.body.held_directions.assign(27, HeldDirections::Zero());
   return scene;
 }
 
 void hold_plane(Scene& scene, int axis, int column) {
   for (Index p = 0; p < 27; ++p) {
-    if (scene.mesh.points[p][axis] == 0) scene.held_directions[p].col(column) = Vec3::Unit(axis);
+    if (scene.body.mesh.points[p][axis] == 0)
+      scene.body.held_directions[p].col(column) = Vec3::Unit(axis);
   }
 }
 
@@ -182,50 +186,50 @@ TEST(CheckSupports, TheRigidMotionThatIsLeftIsNamed) {
   says("moves freely along (0, 0, ");
   // The third plane: that of two others is held already, and one point at the corner is fixed.
   for (Index p = 0; p < 27; ++p) {
-    if (scene.mesh.points[p].z() != 0) continue;
-    HeldDirections& held = scene.held_directions[p];
+    if (scene.body.mesh.points[p].z() != 0) continue;
+    HeldDirections& held = scene.body.held_directions[p];
     if (held.col(0).isZero(0)) {
       held.col(0) = Vec3::UnitZ();
     } else if (held.col(1).isZero(0)) {
       held.col(1) = Vec3::UnitZ();
     } else {
-      scene.fixed[p] = 1;
+      scene.body.fixed[p] = 1;
     }
   }
   EXPECT_EQ(message_of([&] { check(scene); }), "");
   // One that lies on an edge alone turns about it.
   scene = box_on_planes();
   for (Index p = 0; p < 27; ++p) {
-    const Vec3& x = scene.mesh.points[p];
-    scene.fixed[p] = x.x() == 0 && x.y() == 0 ? 1 : 0;
+    const Vec3& x = scene.body.mesh.points[p];
+    scene.body.fixed[p] = x.x() == 0 && x.y() == 0 ? 1 : 0;
   }
-  scene.held_directions[26].col(0) = Vec3(1, 1, 0);
+  scene.body.held_directions[26].col(0) = Vec3(1, 1, 0);
   says("turns freely about (0, 0, ");
   // Springs hold alone.
   scene = box_on_planes();
-  scene.held_directions.clear();
-  scene.support_stiffness.assign(27, 0);
-  scene.support_stiffness[0] = 10;
+  scene.body.held_directions.clear();
+  scene.body.support_stiffness.assign(27, 0);
+  scene.body.support_stiffness[0] = 10;
   says("No face of the surface has SupportStiffness");
-  scene.support_stiffness.assign(27, 10);
+  scene.body.support_stiffness.assign(27, 10);
   EXPECT_EQ(message_of([&] { check(scene); }), "");
-  scene.support_stiffness[3] = -1;
+  scene.body.support_stiffness[3] = -1;
   says("SupportStiffness is negative at point 3");
 }
 
 TEST(CheckSupports, ARimThatIsFreeIsRefusedAndOneThatIsLedIsNot) {
   Scene scene = box_on_planes();
   const auto press = [&](const std::function<bool(const Vec3&)>& where) {
-    scene.applied_pressure.assign(27, 0);
+    scene.body.applied_pressure.assign(27, 0);
     for (Index p = 0; p < 27; ++p) {
-      if (where(scene.mesh.points[p])) scene.applied_pressure[p] = 5;
+      if (where(scene.body.mesh.points[p])) scene.body.applied_pressure[p] = 5;
     }
   };
   const auto check_copy = [&] {
     Scene copy = scene;
     return message_of([&] { check(copy); });
   };
-  for (Index p = 0; p < 27; ++p) scene.fixed[p] = scene.mesh.points[p].x() == 0 ? 1 : 0;
+  for (Index p = 0; p < 27; ++p) scene.body.fixed[p] = scene.body.mesh.points[p].x() == 0 ? 1 : 0;
   press([](const Vec3& x) { return x.z() == 0.1; });
   EXPECT_NE(check_copy().find("The rim of the surface under AppliedPressure is free"),
             std::string::npos);
@@ -237,17 +241,17 @@ TEST(CheckSupports, ARimThatIsFreeIsRefusedAndOneThatIsLedIsNot) {
   EXPECT_NE(check_copy().find("rim"), std::string::npos);
   // Rims in planes that hold them.
   press([](const Vec3& x) { return x.z() == 0.1; });
-  std::fill(scene.fixed.begin(), scene.fixed.end(), 0);
+  std::fill(scene.body.fixed.begin(), scene.body.fixed.end(), 0);
   for (Index p = 0; p < 27; ++p) {
-    const Vec3& x = scene.mesh.points[p];
-    scene.fixed[p] = x.z() == 0 ? 1 : 0;
-    if (x.x() == 0 || x.x() == 0.1) scene.held_directions[p].col(0) = Vec3::UnitX();
-    if (x.y() == 0 || x.y() == 0.1) scene.held_directions[p].col(1) = Vec3::UnitY();
+    const Vec3& x = scene.body.mesh.points[p];
+    scene.body.fixed[p] = x.z() == 0 ? 1 : 0;
+    if (x.x() == 0 || x.x() == 0.1) scene.body.held_directions[p].col(0) = Vec3::UnitX();
+    if (x.y() == 0 || x.y() == 0.1) scene.body.held_directions[p].col(1) = Vec3::UnitY();
   }
   EXPECT_EQ(check_copy(), "");
   // Held along what is not across the plane of the rim.
   for (Index p = 0; p < 27; ++p) {
-    if (scene.mesh.points[p].x() == 0) scene.held_directions[p].col(0) = Vec3(1, 1, 0);
+    if (scene.body.mesh.points[p].x() == 0) scene.body.held_directions[p].col(0) = Vec3(1, 1, 0);
   }
   EXPECT_NE(check_copy().find("rim"), std::string::npos);
 }
@@ -255,21 +259,21 @@ TEST(CheckSupports, ARimThatIsFreeIsRefusedAndOneThatIsLedIsNot) {
 TEST(CheckSupports, WhatIsGivenTwiceOrNowhereIsTheSameScene) {
   Scene scene = make_block(Law::neo_hookean).scene;
   const std::string without = hash(scene);
-  const std::size_t n = scene.mesh.points.size();
-  scene.held_directions.assign(n, HeldDirections::Zero());
-  scene.support_stiffness.assign(n, 0);
-  scene.applied_pressure.assign(n, 0);
-  scene.applied_traction.assign(n, Vec3::Zero());
+  const std::size_t n = scene.body.mesh.points.size();
+  scene.body.held_directions.assign(n, HeldDirections::Zero());
+  scene.body.support_stiffness.assign(n, 0);
+  scene.body.applied_pressure.assign(n, 0);
+  scene.body.applied_traction.assign(n, Vec3::Zero());
   check(scene);
-  EXPECT_FALSE(scene.has_supports_or_surface_loads());
+  EXPECT_FALSE(scene.body.has_supports_or_surface_loads());
   EXPECT_FALSE(scene.has_load());
   EXPECT_EQ(hash(scene), without);
 
-  scene.held_directions.assign(n, HeldDirections::Zero());
-  scene.held_directions[n - 1].col(0) = Vec3(1, 2, 3);
-  scene.held_directions[n - 1].col(1) = Vec3(3, 2, 1);
+  scene.body.held_directions.assign(n, HeldDirections::Zero());
+  scene.body.held_directions[n - 1].col(0) = Vec3(1, 2, 3);
+  scene.body.held_directions[n - 1].col(1) = Vec3(3, 2, 1);
   check(scene);
-  const HeldDirections held = scene.held_directions[n - 1];
+  const HeldDirections held = scene.body.held_directions[n - 1];
   EXPECT_LT((held.transpose() * held - Eigen::Matrix2d::Identity()).norm(), 1e-15);
   const std::string once = hash(scene);
   EXPECT_NE(once, without);
@@ -278,13 +282,13 @@ TEST(CheckSupports, WhatIsGivenTwiceOrNowhereIsTheSameScene) {
   // Each array counts.
   for (int i = 0; i < 3; ++i) {
     Scene other = scene;
-    if (i == 0) other.support_stiffness.assign(n, 1);
-    if (i == 1) other.applied_pressure.assign(n, 1);
-    if (i == 2) other.applied_traction.assign(n, Vec3(1, 0, 0));
+    if (i == 0) other.body.support_stiffness.assign(n, 1);
+    if (i == 1) other.body.applied_pressure.assign(n, 1);
+    if (i == 2) other.body.applied_traction.assign(n, Vec3(1, 0, 0));
     check(other);
     EXPECT_NE(hash(other), once);
   }
-  scene.held_directions.pop_back();
+  scene.body.held_directions.pop_back();
   EXPECT_NE(message_of([&] { check(scene); }).find("HeldDirection"), std::string::npos);
 }
 

@@ -42,9 +42,10 @@ class Mixed : public testing::TestWithParam<Cells> {
  protected:
   Mixed() {
     Block block = make_block(law(), {order(), {2, 2, 1}, kLength, 3000, 0.49});
-    warp_curved(block.scene.mesh, wavy(Vec3::Constant(kLength)));
+    warp_curved(block.scene.body.mesh, wavy(Vec3::Constant(kLength)));
     scene_ = std::move(block.scene);
-    for (Material& material : scene_.materials) material.formulation = std::get<2>(GetParam());
+    for (Material& material : scene_.organ.materials)
+      material.formulation = std::get<2>(GetParam());
   }
 
   static ElementOrder order() { return std::get<0>(GetParam()); }
@@ -80,7 +81,7 @@ TEST_P(Mixed, AnotherRuleOfQuadratureIsAnotherBodyForTet10Alone) {
   EXPECT_EQ(assembly.takes_finer_quadrature(),
             order() == ElementOrder::quadratic && std::get<2>(GetParam()) == Formulation::mixed);
   Scene other = scene_;
-  for (Material& material : other.materials) {
+  for (Material& material : other.organ.materials) {
     material.formulation =
         material.formulation == Formulation::mixed ? Formulation::mixed_fine : Formulation::mixed;
   }
@@ -141,14 +142,15 @@ TEST_P(Mixed, TangentIsTheDerivativeOfTheForce) {
 TEST_P(Mixed, WithTheRightPressureAUniformStrainHasTheEnergyOfTheLaw) {
   if (is_incompressible(law())) GTEST_SKIP() << "there is no energy of a change of volume";
   // Straight edges: the displacement of a uniform strain is in the space of both elements.
-  scene_.mesh = make_box(order(), {2, 2, 1}, Vec3::Constant(kLength));
-  scene_.material_of_cell.clear();
-  scene_.fixed.assign(scene_.mesh.points.size(), 0);
-  scene_.touchable = scene_.fixed;
+  scene_.body.mesh = make_box(order(), {2, 2, 1}, Vec3::Constant(kLength));
+  scene_.body.material_of_cell.clear();
+  scene_.body.fixed.assign(scene_.body.mesh.points.size(), 0);
+  scene_.body.touchable = scene_.body.fixed;
   Mat3 h;
   h << 0.05, 0.02, -0.01, 0.03, -0.02, 0.04, 0.01, -0.03, 0.06;
   const Assembly mixed(scene_);
-  for (Material& material : scene_.materials) material.formulation = Formulation::displacement;
+  for (Material& material : scene_.organ.materials)
+    material.formulation = Formulation::displacement;
   const Assembly plain(scene_);
 
   const Mat3 f = Mat3::Identity() + h;
@@ -156,10 +158,10 @@ TEST_P(Mixed, WithTheRightPressureAUniformStrainHasTheEnergyOfTheLaw) {
   if (law() == Law::linear) g = h.trace();
   if (law() == Law::st_venant_kirchhoff) g = 0.5 * (f.transpose() * f - Mat3::Identity()).trace();
   if (law() == Law::neo_hookean) g = std::log(f.determinant());
-  const double p = g / volumetric_compliance(scene_.materials[0]) / mixed.pressure_scale()[0];
+  const double p = g / volumetric_compliance(scene_.organ.materials[0]) / mixed.pressure_scale()[0];
   NodalVector x = NodalVector::Constant(mixed.state_size(), p);
-  for (Index i = 0; i < scene_.mesh.num_points(); ++i) {
-    x.segment<3>(3 * i) = h * scene_.mesh.points[i];
+  for (Index i = 0; i < scene_.body.mesh.num_points(); ++i) {
+    x.segment<3>(3 * i) = h * scene_.body.mesh.points[i];
   }
   NodalVector force;
   NodalVector force_of_plain;
@@ -175,17 +177,17 @@ TEST_P(Mixed, WithTheRightPressureAUniformStrainHasTheEnergyOfTheLaw) {
 class Pressures : public testing::TestWithParam<ElementOrder> {
  protected:
   Pressures() : block_(make_block(Law::neo_hookean, {GetParam(), {4, 2, 2}})) {
-    block_.scene.material_of_cell.assign(block_.scene.mesh.num_cells(), 0);
+    block_.scene.body.material_of_cell.assign(block_.scene.body.mesh.num_cells(), 0);
   }
 
   /// Cells of the far half of the body get a material of their own.
   void give_far_half(const Material& material) {
     Scene& scene = block_.scene;
-    scene.materials.push_back(material);
-    for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
+    scene.organ.materials.push_back(material);
+    for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
       double x = 0;
-      for (int a = 0; a < 4; ++a) x += scene.mesh.points[scene.mesh.cell(c)[a]].x() / 4;
-      if (x > 0.05) scene.material_of_cell[c] = 1;
+      for (int a = 0; a < 4; ++a) x += scene.body.mesh.points[scene.body.mesh.cell(c)[a]].x() / 4;
+      if (x > 0.05) scene.body.material_of_cell[c] = 1;
     }
   }
 
@@ -193,10 +195,10 @@ class Pressures : public testing::TestWithParam<ElementOrder> {
   template <class F>
   [[nodiscard]] Index count_corners(const F& chosen) const {
     const Scene& scene = block_.scene;
-    std::vector<char> is_corner(scene.mesh.points.size(), 0);
-    for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
-      if (!chosen(scene.material_of_cell[c])) continue;
-      for (int a = 0; a < 4; ++a) is_corner[scene.mesh.cell(c)[a]] = 1;
+    std::vector<char> is_corner(scene.body.mesh.points.size(), 0);
+    for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+      if (!chosen(scene.body.material_of_cell[c])) continue;
+      for (int a = 0; a < 4; ++a) is_corner[scene.body.mesh.cell(c)[a]] = 1;
     }
     return static_cast<Index>(std::count(is_corner.begin(), is_corner.end(), 1));
   }
@@ -222,14 +224,14 @@ TEST_P(Pressures, ThereAreSomeWhereTheMaterialIsMixedAndNowhereElse) {
 }
 
 TEST_P(Pressures, AreSharedByMaterialsThatAreAlike) {
-  block_.scene.materials[0] = make_material(Law::neo_hookean, 3000, 0.49);
+  block_.scene.organ.materials[0] = make_material(Law::neo_hookean, 3000, 0.49);
   give_far_half(make_material(Law::neo_hookean, 6000, 0.499));
   const Assembly assembly(block_.scene);
   EXPECT_EQ(assembly.num_pressures(), count_corners([](Index) { return true; }));
 }
 
 TEST_P(Pressures, JumpBetweenMaterialsOfVeryDifferentStiffness) {
-  block_.scene.materials[0] = make_material(Law::neo_hookean, 3000, 0.49);
+  block_.scene.organ.materials[0] = make_material(Law::neo_hookean, 3000, 0.49);
   give_far_half(make_material(Law::neo_hookean, 3e6, 0.49));
   const Assembly assembly(block_.scene);
   EXPECT_EQ(assembly.num_pressures(),
@@ -238,7 +240,7 @@ TEST_P(Pressures, JumpBetweenMaterialsOfVeryDifferentStiffness) {
 }
 
 TEST_P(Pressures, OfIncompressibleMaterialsAreMultipliers) {
-  block_.scene.materials[0] = make_material(Law::neo_hookean_incompressible, 3000, 0.5);
+  block_.scene.organ.materials[0] = make_material(Law::neo_hookean_incompressible, 3000, 0.5);
   const Assembly assembly(block_.scene);
   EXPECT_EQ(static_cast<Index>(assembly.multipliers().size()), assembly.num_unknown_pressures());
   EXPECT_EQ(assembly.has_stabilised_pressures(), GetParam() == ElementOrder::linear);

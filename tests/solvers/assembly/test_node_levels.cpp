@@ -11,17 +11,18 @@ namespace {
 
 TEST(NodeLevels, AMidsideNodeLiesBetweenItsParents) {
   Scene scene = make_block(Law::neo_hookean).scene;
-  std::fill(scene.fixed.begin(), scene.fixed.end(), 0);
+  std::fill(scene.body.fixed.begin(), scene.body.fixed.end(), 0);
   const Assembly assembly(scene);
-  const NodeLevels levels = make_node_levels(scene.mesh, assembly.unknown_of_point());
-  ASSERT_EQ(levels.num_nodes(), scene.mesh.num_points());
+  const NodeLevels levels = make_node_levels(scene.body.mesh, assembly.unknown_of_point());
+  ASSERT_EQ(levels.num_nodes(), scene.body.mesh.num_points());
   Index num_corners = 0;
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
     const auto [a, b] = levels.parents[assembly.unknown_of_point()[p] / 3];
     ASSERT_GE(a, 0);
     ASSERT_GE(b, 0);
     num_corners += a == b ? 1 : 0;
-    EXPECT_LT(((levels.corners[a] + levels.corners[b]) / 2 - scene.mesh.points[p]).norm(), 1e-15);
+    EXPECT_LT(((levels.corners[a] + levels.corners[b]) / 2 - scene.body.mesh.points[p]).norm(),
+              1e-15);
   }
   EXPECT_EQ(num_corners, levels.num_corners());
 }
@@ -29,7 +30,7 @@ TEST(NodeLevels, AMidsideNodeLiesBetweenItsParents) {
 TEST(NodeLevels, PointsThatAreHeldAreNoParents) {
   const Scene scene = make_block(Law::neo_hookean).scene;
   const Assembly assembly(scene);
-  const NodeLevels levels = make_node_levels(scene.mesh, assembly.unknown_of_point());
+  const NodeLevels levels = make_node_levels(scene.body.mesh, assembly.unknown_of_point());
   EXPECT_EQ(3 * levels.num_nodes(), assembly.pattern().size);
   bool has_half = false;
   for (const auto& [a, b] : levels.parents) has_half = has_half || (a < 0) != (b < 0);
@@ -45,7 +46,7 @@ TEST(NodeLevels, AllNodesOfTet4AreCorners) {
   options.order = ElementOrder::linear;
   const Scene scene = make_block(Law::neo_hookean, options).scene;
   const Assembly assembly(scene);
-  const NodeLevels levels = make_node_levels(scene.mesh, assembly.unknown_of_point());
+  const NodeLevels levels = make_node_levels(scene.body.mesh, assembly.unknown_of_point());
   EXPECT_EQ(levels.num_corners(), levels.num_nodes());
   EXPECT_EQ(3 * levels.num_nodes(), assembly.pattern().size);
 }
@@ -53,7 +54,7 @@ TEST(NodeLevels, AllNodesOfTet4AreCorners) {
 TEST(NodeLevels, WhatAToolHoldsIsTakenOut) {
   const Scene scene = make_block(Law::neo_hookean).scene;
   const Assembly assembly(scene);
-  const NodeLevels all = make_node_levels(scene.mesh, assembly.unknown_of_point());
+  const NodeLevels all = make_node_levels(scene.body.mesh, assembly.unknown_of_point());
   std::vector<char> held(all.num_nodes(), 0);
   held[all.node_of_corner[1]] = 1;
   const NodeLevels levels = without(all, held);

@@ -67,7 +67,8 @@ class Stress : public testing::TestWithParam<Body> {
   void SetUp() override {
     if (is_incompressible(law()) && !is_mixed()) GTEST_SKIP() << "it has no such formulation";
     scene_ = make_block(law(), {order(), {2, 2, 1}, kLength, 3000, is_mixed() ? 0.49 : 0.35}).scene;
-    for (Material& material : scene_.materials) material.formulation = std::get<2>(GetParam());
+    for (Material& material : scene_.organ.materials)
+      material.formulation = std::get<2>(GetParam());
   }
 
   [[nodiscard]] NodalVector random_state(const Assembly& assembly) {
@@ -90,13 +91,13 @@ INSTANTIATE_TEST_SUITE_P(Each, Stress,
                          name_of_body);
 
 TEST_P(Stress, OfAUniformDeformationIsThatOfTheLaw) {
-  scene_.materials.resize(1);
-  scene_.material_of_cell.clear();
+  scene_.organ.materials.resize(1);
+  scene_.body.material_of_cell.clear();
   // Straight edges: a linear displacement is then one in both elements.
-  scene_.mesh = make_box(order(), {2, 2, 1}, Vec3::Constant(kLength));
-  scene_.fixed.assign(scene_.mesh.points.size(), 0);
-  scene_.touchable = scene_.fixed;
-  const Material& material = scene_.materials[0];
+  scene_.body.mesh = make_box(order(), {2, 2, 1}, Vec3::Constant(kLength));
+  scene_.body.fixed.assign(scene_.body.mesh.points.size(), 0);
+  scene_.body.touchable = scene_.body.fixed;
+  const Material& material = scene_.organ.materials[0];
   const Assembly assembly(scene_);
   Mat3 shear = Mat3::Identity();
   shear(0, 1) = 0.4;
@@ -106,13 +107,13 @@ TEST_P(Stress, OfAUniformDeformationIsThatOfTheLaw) {
         random_.deformation_gradient(1.2, 0.3), Mat3(Mat3::Identity() + small * Mat3::Random())}) {
     const double pressure = is_incompressible(law()) ? 500 : pressure_of(material, f);
     NodalVector x(assembly.state_size());
-    for (Index i = 0; i < scene_.mesh.num_points(); ++i) {
-      x.segment<3>(3 * i) = (f - Mat3::Identity()) * scene_.mesh.points[i];
+    for (Index i = 0; i < scene_.body.mesh.num_points(); ++i) {
+      x.segment<3>(3 * i) = (f - Mat3::Identity()) * scene_.body.mesh.points[i];
     }
     if (is_mixed()) {
       x.tail(assembly.num_pressures()).setConstant(pressure / assembly.pressure_scale()[0]);
     }
-    const BodyStress stress = stress_of(assembly, scene_.mesh, x);
+    const BodyStress stress = stress_of(assembly, scene_.body.mesh, x);
     const Mat3 cauchy = cauchy_stress(material, f, pressure);
     const Mat3 deviator = cauchy - cauchy.trace() / 3 * Mat3::Identity();
     const Vec3 stretches = Eigen::JacobiSVD<Mat3>(f).singularValues();
@@ -126,8 +127,8 @@ TEST_P(Stress, OfAUniformDeformationIsThatOfTheLaw) {
         EXPECT_LT((field->principal_stretches.col(i) - stretches).norm(), kRounding);
       }
     }
-    EXPECT_EQ(stress.of_cells.von_mises.size(), scene_.mesh.num_cells());
-    EXPECT_EQ(stress.at_points.von_mises.size(), scene_.mesh.num_points());
+    EXPECT_EQ(stress.of_cells.von_mises.size(), scene_.body.mesh.num_cells());
+    EXPECT_EQ(stress.at_points.von_mises.size(), scene_.body.mesh.num_points());
   }
 }
 
@@ -137,14 +138,14 @@ TEST_P(Stress, TurnsWithTheBody) {
   const NodalVector x = random_state(assembly);
   const Mat3 rotation = random_.rotation();
   NodalVector turned = x;
-  for (Index i = 0; i < scene_.mesh.num_points(); ++i) {
-    const Vec3& rest = scene_.mesh.points[i];
+  for (Index i = 0; i < scene_.body.mesh.num_points(); ++i) {
+    const Vec3& rest = scene_.body.mesh.points[i];
     turned.segment<3>(3 * i) = rotation * (rest + x.segment<3>(3 * i)) - rest;
   }
-  const StressField before = stress_of(assembly, scene_.mesh, x).of_cells;
-  const StressField after = stress_of(assembly, scene_.mesh, turned).of_cells;
+  const StressField before = stress_of(assembly, scene_.body.mesh, x).of_cells;
+  const StressField after = stress_of(assembly, scene_.body.mesh, turned).of_cells;
   const double scale = before.cauchy.lpNorm<Eigen::Infinity>();
-  for (Index c = 0; c < scene_.mesh.num_cells(); ++c) {
+  for (Index c = 0; c < scene_.body.mesh.num_cells(); ++c) {
     const Mat3 expected = rotation * tensor(before.cauchy.col(c)) * rotation.transpose();
     EXPECT_LT((tensor(after.cauchy.col(c)) - expected).norm(), 100 * kRounding * scale);
     EXPECT_NEAR(after.von_mises[c], before.von_mises[c], 100 * kRounding * scale);
@@ -160,16 +161,16 @@ TEST_P(Stress, BalancesTheForcesAtTheNodes) {
   const NodalVector x = random_state(assembly);
   const NodalVector force = force_at(assembly, x);
   Mat3 virial = Mat3::Zero();
-  for (Index i = 0; i < scene_.mesh.num_points(); ++i) {
-    Vec3 place = scene_.mesh.points[i];
+  for (Index i = 0; i < scene_.body.mesh.num_points(); ++i) {
+    Vec3 place = scene_.body.mesh.points[i];
     if (law() != Law::linear) place += x.segment<3>(3 * i);
     virial += force.segment<3>(3 * i) * place.transpose();
   }
-  const StressField field = stress_of(assembly, scene_.mesh, x).of_cells;
+  const StressField field = stress_of(assembly, scene_.body.mesh, x).of_cells;
   const Eigen::MatrixXd sums = assembly.stress_sums(x);
   Mat3 whole = Mat3::Zero();
   double sum_of_norms = 0;
-  for (Index c = 0; c < scene_.mesh.num_cells(); ++c) {
+  for (Index c = 0; c < scene_.body.mesh.num_cells(); ++c) {
     const Mat3 of_cell = sums(StressSum::deformed_volume, c) * tensor(field.cauchy.col(c));
     whole += of_cell;
     sum_of_norms += of_cell.norm();
@@ -181,9 +182,9 @@ TEST_P(Stress, BalancesTheForcesAtTheNodes) {
 TEST_P(Stress, AtAPointIsTheMeanOfTheCellsAround) {
   const Assembly assembly(scene_);
   const NodalVector x = random_state(assembly);
-  const BodyStress stress = stress_of(assembly, scene_.mesh, x);
+  const BodyStress stress = stress_of(assembly, scene_.body.mesh, x);
   const Eigen::MatrixXd sums = assembly.stress_sums(x);
-  const TetMesh& mesh = scene_.mesh;
+  const TetMesh& mesh = scene_.body.mesh;
   for (Index p = 0; p < mesh.num_points(); ++p) {
     double volume = 0;
     Eigen::Matrix<double, 6, 1> cauchy = Eigen::Matrix<double, 6, 1>::Zero();
@@ -203,11 +204,11 @@ TEST_P(Stress, AtAPointIsTheMeanOfTheCellsAround) {
 
 TEST_P(Stress, ThereIsNoneInACellThatIsInverted) {
   // A point in no cell comes last.
-  scene_.mesh.points.push_back(Vec3::Constant(1));
-  scene_.fixed.push_back(0);
-  scene_.touchable.push_back(0);
+  scene_.body.mesh.points.push_back(Vec3::Constant(1));
+  scene_.body.fixed.push_back(0);
+  scene_.body.touchable.push_back(0);
   const Assembly assembly(scene_);
-  const TetMesh& mesh = scene_.mesh;
+  const TetMesh& mesh = scene_.body.mesh;
   NodalVector x = NodalVector::Zero(assembly.state_size());
   // All nodes of a cell but the points of one face are pushed through that face.
   const Index* cell = mesh.cell(0);

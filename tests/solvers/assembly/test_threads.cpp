@@ -30,12 +30,12 @@ Scene layered_scene(ElementOrder order, std::array<int, 3> cells, Law above,
   options.cells = cells;
   Scene scene = make_block(Law::neo_hookean, options).scene;
   Material other = make_isotropic(above, 9e3, 0.4);
-  scene.materials = {with_formulation(scene.materials.front(), formulation),
-                     with_formulation(other, formulation)};
-  scene.material_of_cell.resize(static_cast<std::size_t>(scene.mesh.num_cells()));
-  for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
-    const double height = scene.mesh.points[scene.mesh.cell(c)[0]].z();
-    scene.material_of_cell[c] = height > scene.mesh.points.back().z() / 2 ? 1 : 0;
+  scene.organ.materials = {with_formulation(scene.organ.materials.front(), formulation),
+                           with_formulation(other, formulation)};
+  scene.body.material_of_cell.resize(static_cast<std::size_t>(scene.body.mesh.num_cells()));
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+    const double height = scene.body.mesh.points[scene.body.mesh.cell(c)[0]].z();
+    scene.body.material_of_cell[c] = height > scene.body.mesh.points.back().z() / 2 ? 1 : 0;
   }
   return scene;
 }
@@ -120,7 +120,7 @@ TEST(Threads, OfLinearCells) {
 
 TEST(PacketSets, OfOneColourShareNoPoint) {
   const Scene scene = layered_scene(ElementOrder::quadratic, {8, 8, 8}, Law::neo_hookean);
-  const TetMesh& mesh = scene.mesh;
+  const TetMesh& mesh = scene.body.mesh;
   constexpr Index kPacket = 8;
   const Index num_packets = mesh.num_cells() / kPacket;
   ASSERT_EQ(num_packets * kPacket, mesh.num_cells());

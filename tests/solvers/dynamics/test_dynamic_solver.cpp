@@ -53,7 +53,7 @@ class Oscillators {
   Oscillators(const Scene& scene, double viscous_time, const Vec3& gravity) {
     const Assembly assembly(scene);
     state_ = assembly.state_of_unknown();
-    const MassMatrix mass(scene, {kDensity}, assembly);
+    const MassMatrix mass(scene.body, {kDensity}, assembly);
     std::vector<double> values(assembly.pattern().num_values(), 0.0);
     mass.add_to(1, values);
     const Eigen::MatrixXd m = test::dense(assembly.pattern(), values);
@@ -223,8 +223,8 @@ Scene make_bar(Law law, double length, int cells, double youngs_modulus) {
 
 std::vector<Index> end_of(const Scene& bar, double length) {
   std::vector<Index> points;
-  for (Index p = 0; p < bar.mesh.num_points(); ++p) {
-    if (bar.mesh.points[p].x() > 0.999 * length) points.push_back(p);
+  for (Index p = 0; p < bar.body.mesh.num_points(); ++p) {
+    if (bar.body.mesh.points[p].x() > 0.999 * length) points.push_back(p);
   }
   return points;
 }
@@ -354,10 +354,10 @@ TEST(Cube, CreepsUnderItsWeightAsKelvinAndVoigtSay) {
 TEST(SpringAcrossTheBody, PullsItToItsRestAndSwingsWithIt) {
   const test::Block block =
       test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 1, 1}});
-  const auto& points = block.scene.mesh.points;
+  const auto& points = block.scene.body.mesh.points;
   Index fixed = 0;
-  while (block.scene.fixed[fixed] == 0 || points[fixed].z() > 1e-9) ++fixed;
-  test::FarSprings springs(block.scene.mesh);
+  while (block.scene.body.fixed[fixed] == 0 || points[fixed].z() > 1e-9) ++fixed;
+  test::FarSprings springs(block.scene.body.mesh);
   springs.add_spring({fixed, block.corner, 5, 0.7 * (points[block.corner] - points[fixed]).norm()});
   springs.add_spring({block.middle, fixed, 3, 0.9 * (points[block.middle] - points[fixed]).norm()});
   springs.set_spare_pairs({{block.corner, block.middle}});
@@ -463,7 +463,7 @@ TEST(Extremes, EndConvergedOrByName) {
   for (const Extreme& extreme : extremes) {
     test::BlockOptions of_block{ElementOrder::linear, {3, 2, 2}};
     test::Block block = test::make_block(Law::neo_hookean, of_block);
-    block.scene.materials[0] = test::make_material(extreme.law, 3000, extreme.poissons_ratio);
+    block.scene.organ.materials[0] = test::make_material(extreme.law, 3000, extreme.poissons_ratio);
     Rheology rheology = dense_rheology(extreme.viscous_time);
     rheology.density = extreme.density;
     if (extreme.prony_time > 0) {
@@ -562,7 +562,7 @@ class Pressing {
   static constexpr double kHeight = 0.03;
 
   Pressing()
-      : scene_(make_slab()), contact_(make_contact(scene_, with_defaults(sphere(), scene_))) {}
+      : scene_(make_slab()), contact_(make_contact(scene_.body, with_defaults(sphere(), scene_))) {}
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const RigidContact& contact() const { return contact_; }
@@ -691,7 +691,7 @@ TEST(Contact, ASmallSphereInTheBodyIsTold) {
   tool.radius = 0.0015;
   tool.law.thickness = 0.2 * tool.radius;
   const RigidContact contact =
-      make_contact(pressing.scene(), with_defaults(tool, pressing.scene()));
+      make_contact(pressing.scene().body, with_defaults(tool, pressing.scene()));
   const auto at_depth = [&](double depth) {
     return Vec3(0.043, 0.0325, Pressing::kHeight + tool.radius - depth);
   };
@@ -918,13 +918,13 @@ Scene block_on_springs(double stiffness) {
   const Vec3 size(0.05, 0.04, 0.03);
   Scene scene = test::make_scene(test::make_box(ElementOrder::linear, {1, 1, 1}, size),
                                  test::make_material(Law::linear, 1e8, 0), {});
-  scene.fixed.assign(scene.mesh.points.size(), 0);
-  scene.touchable = boundary_points(scene.mesh);
-  for (const Vec3& p : scene.mesh.points) {
-    scene.support_stiffness.push_back(p.z() == 0 ? stiffness : 0);
+  scene.body.fixed.assign(scene.body.mesh.points.size(), 0);
+  scene.body.touchable = boundary_points(scene.body.mesh);
+  for (const Vec3& p : scene.body.mesh.points) {
+    scene.body.support_stiffness.push_back(p.z() == 0 ? stiffness : 0);
     HeldDirections held;
     held << Vec3::UnitX(), Vec3::UnitY();
-    scene.held_directions.push_back(held);
+    scene.body.held_directions.push_back(held);
   }
   return scene;
 }
@@ -975,12 +975,12 @@ TEST(DynamicSolver, HalfOfASymmetricBodyMovesAsTheWhole) {
     }
     Scene scene =
         test::make_scene(std::move(mesh), test::make_material(Law::linear, 3000, 0.3), fixed);
-    scene.applied_traction = traction;
+    scene.body.applied_traction = traction;
     return scene;
   };
   std::vector<Index> twin;
   Scene half = make(test::make_box(ElementOrder::linear, {2, 2, 2}, size));
-  const Scene whole = make(test::with_mirror_image(half.mesh, twin));
+  const Scene whole = make(test::with_mirror_image(half.body.mesh, twin));
   test::hold_plane(half, Vec3::UnitX(), 0);
   for (const bool settled : {true, false}) {
     const auto end_of = [&](const Scene& scene) {

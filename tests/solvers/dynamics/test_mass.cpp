@@ -25,7 +25,7 @@ Scene scene_of(const TetMesh& mesh) {
 TEST_P(Mass, OfRigidAndLinearVelocitiesIsTheirIntegral) {
   const Scene scene = scene_of(mesh_);
   const Assembly assembly(scene);
-  const MassMatrix mass(scene, {kDensity}, assembly);
+  const MassMatrix mass(scene.body, {kDensity}, assembly);
   const double volume = 0.1 * 0.06 * 0.05;
   EXPECT_NEAR(mass.total(), kDensity * volume, 1e-12 * kDensity * volume);
   // u = (x, 0, 0): ∫ ρ x² dV.
@@ -38,7 +38,7 @@ TEST_P(Mass, OfAQuadraticVelocityIsExactForTet10) {
   if (GetParam() != ElementOrder::quadratic) GTEST_SKIP() << "Tet4 has no such field";
   const Scene scene = scene_of(mesh_);
   const Assembly assembly(scene);
-  const MassMatrix mass(scene, {kDensity}, assembly);
+  const MassMatrix mass(scene.body, {kDensity}, assembly);
   NodalVector bend = NodalVector::Zero(assembly.state_size());
   for (Index p = 0; p < mesh_.num_points(); ++p) {
     bend[3 * p + 1] = mesh_.points[p].x() * mesh_.points[p].x();
@@ -51,7 +51,7 @@ TEST_P(Mass, IsAddedToTheTangentAsItIsMultiplied) {
   test::warp_curved(mesh_, test::wavy(Vec3(0.1, 0.06, 0.05)));
   const Scene scene = scene_of(mesh_);
   const Assembly assembly(scene);
-  const MassMatrix mass(scene, {kDensity}, assembly);
+  const MassMatrix mass(scene.body, {kDensity}, assembly);
   std::vector<double> values(assembly.pattern().num_values(), 0.0);
   mass.add_to(2, values);
   const Eigen::MatrixXd matrix = test::dense(assembly.pattern(), values);
@@ -69,7 +69,7 @@ TEST_P(Mass, IsAddedToTheTangentAsItIsMultiplied) {
 TEST_P(Mass, WeightIsThatOfTheBody) {
   const Scene scene = scene_of(mesh_);
   const Assembly assembly(scene);
-  const MassMatrix mass(scene, {kDensity}, assembly);
+  const MassMatrix mass(scene.body, {kDensity}, assembly);
   const NodalVector weight = mass.weight(Vec3(0, 0, -9.81));
   double sum = 0;
   for (Eigen::Index i = 2; i < weight.size(); i += 3) sum += weight[i];
@@ -79,11 +79,11 @@ TEST_P(Mass, WeightIsThatOfTheBody) {
 TEST_P(Mass, AForceGivesTheAccelerationOfWhichItIsTheProduct) {
   const Scene scene = scene_of(mesh_);
   const Assembly assembly(scene);
-  const MassMatrix mass(scene, {kDensity}, assembly);
-  std::vector<char> free(scene.fixed.size());
+  const MassMatrix mass(scene.body, {kDensity}, assembly);
+  std::vector<char> free(scene.body.fixed.size());
   NodalVector acceleration = NodalVector::Zero(assembly.state_size());
   for (std::size_t p = 0; p < free.size(); ++p) {
-    free[p] = scene.fixed[p] == 0 ? 1 : 0;
+    free[p] = scene.body.fixed[p] == 0 ? 1 : 0;
     if (free[p] != 0) acceleration[3 * static_cast<Eigen::Index>(p) + p % 3] = 1.0 + 0.1 * p;
   }
   const NodalVector found = mass.acceleration(mass.times(acceleration), free);

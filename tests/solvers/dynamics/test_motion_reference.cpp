@@ -30,15 +30,15 @@ class MotionReference : public testing::TestWithParam<TimeIntegrator> {
   MotionReference() {
     std::ifstream file(std::string(PALPATE_TEST_DATA) + "/motion.json");
     data_ = nlohmann::json::parse(file);
-    scene_.mesh.order = ElementOrder::quadratic;
-    for (const auto& point : data_.at("points")) scene_.mesh.points.push_back(vector(point));
+    scene_.body.mesh.order = ElementOrder::quadratic;
+    for (const auto& point : data_.at("points")) scene_.body.mesh.points.push_back(vector(point));
     for (const auto& cell : data_.at("cells")) {
-      for (const auto& node : cell) scene_.mesh.cells.push_back(node);
+      for (const auto& node : cell) scene_.body.mesh.cells.push_back(node);
     }
-    for (const auto& fixed : data_.at("fixed")) scene_.fixed.push_back(fixed.get<char>());
-    scene_.touchable.assign(scene_.mesh.points.size(), 1);
+    for (const auto& fixed : data_.at("fixed")) scene_.body.fixed.push_back(fixed.get<char>());
+    scene_.body.touchable.assign(scene_.body.mesh.points.size(), 1);
     const auto& parameters = data_.at("parameters");
-    scene_.materials = {make_isotropic(Law::neo_hookean, parameters[0], parameters[1])};
+    scene_.organ.materials = {make_isotropic(Law::neo_hookean, parameters[0], parameters[1])};
   }
 
   [[nodiscard]] ToolPath path() const {

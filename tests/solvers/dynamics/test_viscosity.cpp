@@ -23,7 +23,7 @@ struct Case {
 };
 
 Scene in_formulation(Scene scene, Formulation formulation) {
-  for (Material& material : scene.materials) material.formulation = formulation;
+  for (Material& material : scene.organ.materials) material.formulation = formulation;
   return scene;
 }
 
@@ -32,8 +32,8 @@ class MemoryPotential : public testing::TestWithParam<Case> {
   NodalVector random_state(double size) {
     NodalVector x(assembly_.state_size());
     for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = size * (2.0 * random_() / random_.max() - 1);
-    for (std::size_t p = 0; p < block_.scene.fixed.size(); ++p) {
-      if (block_.scene.fixed[p] != 0) x.segment<3>(3 * static_cast<Eigen::Index>(p)).setZero();
+    for (std::size_t p = 0; p < block_.scene.body.fixed.size(); ++p) {
+      if (block_.scene.body.fixed[p] != 0) x.segment<3>(3 * static_cast<Eigen::Index>(p)).setZero();
     }
     return x;
   }
@@ -118,8 +118,8 @@ TEST(Viscosity, ATermOfTheSeriesIsExactForAStrainThatGrowsEvenly) {
   rheology.prony_times = {0.2};
   const auto strained = [&](double gradient) {
     NodalVector x = NodalVector::Zero(assembly.state_size());
-    for (Index p = 0; p < block.scene.mesh.num_points(); ++p) {
-      x[3 * p + 1] = gradient * block.scene.mesh.points[p].x();
+    for (Index p = 0; p < block.scene.body.mesh.num_points(); ++p) {
+      x[3 * p + 1] = gradient * block.scene.body.mesh.points[p].x();
     }
     return x;
   };
@@ -129,7 +129,7 @@ TEST(Viscosity, ATermOfTheSeriesIsExactForAStrainThatGrowsEvenly) {
     (void)viscosity.begin_step(h, Vec3(1 / h, -1 / h, 0));
     t += h;
     viscosity.end_step(h, Vec3(1 / h, -1 / h, 0), strained(1e-3 * t));
-    const double mu = shear_modulus(block.scene.materials[0]);
+    const double mu = shear_modulus(block.scene.organ.materials[0]);
     const double exact = 0.7 * mu * 1e-3 * 0.2 * (1 - std::exp(-t / 0.2));
     EXPECT_NEAR(viscosity.stress_now().stress[0][5 * 8], exact, 1e-12 * exact) << t;
   }

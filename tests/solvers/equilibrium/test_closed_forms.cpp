@@ -223,7 +223,7 @@ TEST(Incompressible, TheVolumeStays) {
       for (const Vec3& t : {Vec3(-0.01, 0.006, -0.005), Vec3(0.03, -0.01, 0.02)}) {
         const Equilibrium state = solver.solve(t, solver.rest());
         ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
-        EXPECT_LT(std::abs(relative_change_of_volume(block.scene.mesh, state.u)), 1e-6)
+        EXPECT_LT(std::abs(relative_change_of_volume(block.scene.body.mesh, state.u)), 1e-6)
             << to_string(law);
       }
     }

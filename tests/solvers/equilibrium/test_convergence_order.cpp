@@ -119,10 +119,10 @@ struct Errors {
 };
 
 Errors errors(const Scene& scene, const NodalVector& u, const Map& exact) {
-  const TetMesh& mesh = scene.mesh;
+  const TetMesh& mesh = scene.body.mesh;
   const auto rule = fine_rule();
-  const double mu = shear_modulus(scene.materials[0]);
-  const double lambda = bulk_modulus(scene.materials[0]) - 2.0 / 3 * mu;
+  const double mu = shear_modulus(scene.organ.materials[0]);
+  const double lambda = bulk_modulus(scene.organ.materials[0]) - 2.0 / 3 * mu;
   const int npc = nodes_per_cell(mesh.order);
   Errors sum{0, 0};
   for (Index c = 0; c < mesh.num_cells(); ++c) {
@@ -152,9 +152,9 @@ Errors errors(const Scene& scene, const NodalVector& u, const Map& exact) {
 }
 
 NodalVector interpolate(const Scene& scene, const Map& displacement) {
-  NodalVector u(3 * scene.mesh.num_points());
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    u.segment<3>(3 * p) = displacement(scene.mesh.points[p]);
+  NodalVector u(3 * scene.body.mesh.num_points());
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    u.segment<3>(3 * p) = displacement(scene.body.mesh.points[p]);
   }
   return u;
 }
@@ -219,20 +219,20 @@ TEST_P(ConvergenceOrder, TheSurfaceMayBeHeldInstead) {
   NodalVector expected = interpolate(scene, exact_neo_hookean);
   solve_inside(Assembly(scene), expected);
   // The first corner stays fixed, and all is shifted so that it does not move.
-  const Vec3 shift = exact_neo_hookean(scene.mesh.points[0]);
+  const Vec3 shift = exact_neo_hookean(scene.body.mesh.points[0]);
   std::vector<Index> surface;
-  for (Index p = 1; p < scene.mesh.num_points(); ++p) {
-    if (std::exchange(scene.fixed[p], 0) != 0) surface.push_back(p);
+  for (Index p = 1; p < scene.body.mesh.num_points(); ++p) {
+    if (std::exchange(scene.body.fixed[p], 0) != 0) surface.push_back(p);
   }
   EquilibriumSolver solver(scene, {});
   solver.set_interaction(bond_nodes(surface));
   Eigen::VectorXd t(3 * surface.size());
   for (std::size_t i = 0; i < surface.size(); ++i) {
-    t.segment<3>(3 * i) = exact_neo_hookean(scene.mesh.points[surface[i]]) - shift;
+    t.segment<3>(3 * i) = exact_neo_hookean(scene.body.mesh.points[surface[i]]) - shift;
   }
   const Equilibrium state = solver.solve(t, solver.rest());
   ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
     EXPECT_LT((state.u.segment<3>(3 * p) + shift - expected.segment<3>(3 * p)).norm(),
               1e-8 * t.lpNorm<Eigen::Infinity>());
   }

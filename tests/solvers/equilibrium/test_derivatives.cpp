@@ -69,7 +69,7 @@ TEST_P(Derivatives, OfTwoNodes) {
 
 // Several points that move as one, and one beside them.
 TEST_P(Derivatives, OfAToolAtSeveralPoints) {
-  const TetMesh& mesh = block_.scene.mesh;
+  const TetMesh& mesh = block_.scene.body.mesh;
   const Vec3 centre = mesh.points[block_.middle];
   const std::vector<Index> points =
       points_where(mesh, [&](const Vec3& p) { return (p - centre).norm() < 0.02; });

@@ -25,8 +25,8 @@ namespace {
 /// The point next to a place.
 Index point_at(const Scene& scene, const Vec3& place) {
   Index nearest = 0;
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    const auto& points = scene.mesh.points;
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    const auto& points = scene.body.mesh.points;
     if ((points[p] - place).norm() < (points[nearest] - place).norm()) nearest = p;
   }
   return nearest;
@@ -36,8 +36,8 @@ Index point_at(const Scene& scene, const Vec3& place) {
 /// length.
 FarSprings across(const Block& block) {
   const Scene& scene = block.scene;
-  FarSprings springs(scene.mesh);
-  const NodalVector none = NodalVector::Zero(3 * Eigen::Index{scene.mesh.num_points()});
+  FarSprings springs(scene.body.mesh);
+  const NodalVector none = NodalVector::Zero(3 * Eigen::Index{scene.body.mesh.num_points()});
   const Index below = point_at(scene, {0.07, 0.03, 0});
   const Index above = point_at(scene, {0.1, 0.03, 0.05});
   const Index held = point_at(scene, {0, 0, 0.05});
@@ -171,16 +171,17 @@ TEST(SystemWithTerms, HasTheDerivativesOfItsEnergyForEachKindOfBody) {
     }
   }
   Block mixed = make_block(Law::neo_hookean, {ElementOrder::linear, {3, 2, 2}, 0.1, 3000, 0.49});
-  for (Material& material : mixed.scene.materials) material.formulation = Formulation::mixed;
+  for (Material& material : mixed.scene.organ.materials) material.formulation = Formulation::mixed;
   expect_derivatives(mixed.scene, across(mixed), at_corner(mixed));
 }
 
 TEST(SystemWithTerms, HoldsPointsAlongADirectionOnThePatternThatHasGrown) {
   Block block = make_block(Law::neo_hookean, {ElementOrder::linear, {3, 2, 2}});
-  block.scene.held_directions.assign(block.scene.mesh.points.size(), HeldDirections::Zero());
+  block.scene.body.held_directions.assign(block.scene.body.mesh.points.size(),
+                                          HeldDirections::Zero());
   const FarSprings springs = across(block);
   const Index held = springs.springs().front().b;
-  block.scene.held_directions[held].col(0) = Vec3(0, 1, 1).normalized();
+  block.scene.body.held_directions[held].col(0) = Vec3(0, 1, 1).normalized();
   check(block.scene);
   expect_derivatives(block.scene, springs, at_corner(block));
 }
@@ -340,9 +341,9 @@ Scene heavy(const Scene& scene) {
 TEST(BodyUnderLoads, SharesTheFactorAtItsRestWithAllTools) {
   const Block block = make_block(Law::neo_hookean, {ElementOrder::quadratic, {4, 2, 2}});
   Scene supported = heavy(block.scene);
-  supported.support_stiffness.assign(supported.mesh.points.size(), 0);
-  for (std::size_t p = 0; p < supported.mesh.points.size(); ++p) {
-    if (supported.mesh.points[p].z() < 0.004) supported.support_stiffness[p] = 2e4;
+  supported.body.support_stiffness.assign(supported.body.mesh.points.size(), 0);
+  for (std::size_t p = 0; p < supported.body.mesh.points.size(); ++p) {
+    if (supported.body.mesh.points[p].z() < 0.004) supported.body.support_stiffness[p] = 2e4;
   }
   for (const Scene& scene : {heavy(block.scene), supported}) {
     EquilibriumOptions options;
@@ -373,13 +374,12 @@ TEST(BodyUnderLoads, SharesTheFactorAtItsRestWithAllTools) {
 
 TEST(BodyUnderLoads, ToldThatARigidToolTouchesNothing) {
   const Block block = make_block(Law::neo_hookean, {ElementOrder::linear, {4, 2, 2}});
-  Scene scene = heavy(block.scene);
+  const Scene scene = heavy(block.scene);
   for (const bool is_direct : {true, false}) {
     EquilibriumSolver solver(scene, {}, is_direct ? make_linear_solver() : nullptr);
-    scene.settled = {solver.settled().u, solver.settled().p};
     RigidTool ball;
     ball.radius = 0.015;
-    solver.set_interaction(make_contact(scene, with_defaults(ball, scene)));
+    solver.set_interaction(make_contact(scene.body, with_defaults(ball, scene)));
     const Equilibrium first = solver.rest(Vec3(0.05, 0.03, 0.2));
     const long factorisations = solver.work().factorisations;
     const Equilibrium second = solver.rest(Vec3(0.06, 0.03, 0.2));
@@ -393,7 +393,6 @@ TEST(BodyUnderLoads, ToldThatARigidToolTouchesNothing) {
       EXPECT_EQ(std::isnan(rest.lowest_eigenvalue), is_direct) << "it was searched for";
     }
     EXPECT_EQ(first.lowest_eigenvalue > 0, !is_direct);
-    scene.settled = {};
   }
 }
 

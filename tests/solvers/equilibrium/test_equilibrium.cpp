@@ -179,8 +179,8 @@ TEST_P(Laws, UnitsDoNotMatter) {
   for (int size : {-10, 0, 10, 20}) {
     for (int modulus : {-20, 0, 40}) {
       Scene scene = block.scene;
-      for (Vec3& p : scene.mesh.points) p *= std::ldexp(1.0, size);
-      scene.materials[0] = scaled(scene.materials[0], std::ldexp(1.0, modulus));
+      for (Vec3& p : scene.body.mesh.points) p *= std::ldexp(1.0, size);
+      scene.organ.materials[0] = scaled(scene.organ.materials[0], std::ldexp(1.0, modulus));
       EquilibriumSolver other(scene, {});
       other.set_interaction(bond_nodes({block.corner}));
       const Equilibrium state = other.solve(std::ldexp(1.0, size) * kPush, other.rest());
@@ -194,12 +194,13 @@ TEST_P(Laws, UnitsDoNotMatter) {
 
 TEST(SetInteraction, RefusesBadTools) {
   Block block = make_block(Law::neo_hookean);
-  block.scene.mesh.points.push_back(Vec3(1, 1, 1));  // in no cell
-  block.scene.fixed.push_back(0);
-  block.scene.touchable.push_back(0);
-  const Index unused = block.scene.mesh.num_points() - 1;
+  block.scene.body.mesh.points.push_back(Vec3(1, 1, 1));  // in no cell
+  block.scene.body.fixed.push_back(0);
+  block.scene.body.touchable.push_back(0);
+  const Index unused = block.scene.body.mesh.num_points() - 1;
   const Index fixed = static_cast<Index>(
-      std::find(block.scene.fixed.begin(), block.scene.fixed.end(), 1) - block.scene.fixed.begin());
+      std::find(block.scene.body.fixed.begin(), block.scene.body.fixed.end(), 1) -
+      block.scene.body.fixed.begin());
   EquilibriumSolver solver(block.scene, {});
   EXPECT_NE(error_of([&] { return solver.rest(); }), "") << "there is no tool yet";
   const auto error = [&](const std::vector<Index>& nodes) {
@@ -240,7 +241,7 @@ TEST(Solve, BadDisplacementsAreRefused) {
 
 TEST(EquilibriumSolver, AnInvalidSceneIsRefused) {
   Block block = make_block(Law::linear);
-  std::fill(block.scene.fixed.begin(), block.scene.fixed.end(), 0);
+  std::fill(block.scene.body.fixed.begin(), block.scene.body.fixed.end(), 0);
   EXPECT_THROW(EquilibriumSolver(block.scene, {}), InputError);
 }
 

@@ -32,17 +32,17 @@ Vec3 vector(const nlohmann::json& numbers) {
 Scene make_half_ball(const nlohmann::json& data, const nlohmann::json& of_case,
                      Formulation formulation) {
   Scene scene;
-  scene.mesh.order = ElementOrder::quadratic;
-  for (const auto& point : data.at("points")) scene.mesh.points.push_back(vector(point));
+  scene.body.mesh.order = ElementOrder::quadratic;
+  for (const auto& point : data.at("points")) scene.body.mesh.points.push_back(vector(point));
   for (const auto& cell : data.at("cells")) {
-    for (const auto& node : cell) scene.mesh.cells.push_back(node);
+    for (const auto& node : cell) scene.body.mesh.cells.push_back(node);
   }
-  for (const auto& fixed : data.at("fixed")) scene.fixed.push_back(fixed.get<char>());
-  scene.touchable.assign(scene.mesh.points.size(), 1);
-  scene.materials = {with_formulation(
+  for (const auto& fixed : data.at("fixed")) scene.body.fixed.push_back(fixed.get<char>());
+  scene.body.touchable.assign(scene.body.mesh.points.size(), 1);
+  scene.organ.materials = {with_formulation(
       make_material(Law::neo_hookean_incompressible, {of_case.at("young")}), formulation)};
-  scene.densities = {data.at("density")};
-  scene.body_force = data.at("gravity").get<double>() * vector(of_case.at("direction"));
+  scene.organ.densities = {data.at("density")};
+  scene.organ.body_force = data.at("gravity").get<double>() * vector(of_case.at("direction"));
   return scene;
 }
 

@@ -88,9 +88,9 @@ TEST_P(LinearScene, AnEquilibriumCostsNoSolve) {
 
 TEST_P(LinearScene, ANonlinearCellMakesItNonlinear) {
   Block block = make_block(Law::linear, {GetParam()});
-  block.scene.materials.push_back(make_material(Law::neo_hookean, 3000, 0.35));
-  block.scene.material_of_cell.assign(block.scene.mesh.num_cells(), 0);
-  block.scene.material_of_cell.back() = 1;
+  block.scene.organ.materials.push_back(make_material(Law::neo_hookean, 3000, 0.35));
+  block.scene.body.material_of_cell.assign(block.scene.body.mesh.num_cells(), 0);
+  block.scene.body.material_of_cell.back() = 1;
   EquilibriumSolver solver(block.scene, {});
   solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium rest = solver.rest();

@@ -19,8 +19,8 @@ constexpr double kDensity = 500;
 constexpr double kNoForce = 1e-7;
 
 Scene heavy(Scene scene, const Vec3& gravity) {
-  scene.body_force = gravity;
-  scene.densities.assign(scene.materials.size(), kDensity);
+  scene.organ.body_force = gravity;
+  scene.organ.densities.assign(scene.organ.materials.size(), kDensity);
   return scene;
 }
 
@@ -92,9 +92,9 @@ TEST(Load, ThatIsTooLargeEndsByNameAndABadOneIsRefused) {
 
   EXPECT_THROW(EquilibriumSolver(heavy(block.scene, Vec3(0, std::nan(""), 0)), {}), InputError);
   Scene weightless = heavy(block.scene, kGravity);
-  weightless.densities.front() = 0;
+  weightless.organ.densities.front() = 0;
   EXPECT_THROW(EquilibriumSolver(weightless, {}), InputError);
-  weightless.densities.clear();
+  weightless.organ.densities.clear();
   EXPECT_THROW(EquilibriumSolver(weightless, {}), InputError);
 }
 

@@ -39,17 +39,17 @@ Vec3 vector(const nlohmann::json& numbers) {
 Scene make_reference_scene(const nlohmann::json& data, const nlohmann::json& reference) {
   const int nodes = reference.at("nodes_per_cell");
   Scene scene;
-  scene.mesh.order = nodes == 4 ? ElementOrder::linear : ElementOrder::quadratic;
+  scene.body.mesh.order = nodes == 4 ? ElementOrder::linear : ElementOrder::quadratic;
   const std::size_t num_points =
       nodes == 4 ? data.at("num_corners").get<std::size_t>() : data.at("points").size();
   for (std::size_t p = 0; p < num_points; ++p) {
-    scene.mesh.points.push_back(vector(data.at("points")[p]));
-    scene.fixed.push_back(data.at("fixed")[p].get<char>());
+    scene.body.mesh.points.push_back(vector(data.at("points")[p]));
+    scene.body.fixed.push_back(data.at("fixed")[p].get<char>());
   }
   for (const auto& cell : data.at("cells")) {
-    for (int a = 0; a < nodes; ++a) scene.mesh.cells.push_back(cell[a]);
+    for (int a = 0; a < nodes; ++a) scene.body.mesh.cells.push_back(cell[a]);
   }
-  scene.touchable.assign(num_points, 1);
+  scene.body.touchable.assign(num_points, 1);
   for (const auto& name : reference.at("materials")) {
     const auto& material = data.at("materials").at(name.get<std::string>());
     Material made;
@@ -62,10 +62,10 @@ Scene make_reference_scene(const nlohmann::json& data, const nlohmann::json& ref
     std::copy(parameters.begin(), parameters.end(), made.parameters.begin());
     made.formulation =
         material.at("formulation") == "mixed" ? Formulation::mixed : Formulation::displacement;
-    scene.materials.push_back(made);
+    scene.organ.materials.push_back(made);
   }
-  if (scene.materials.size() > 1) {
-    scene.material_of_cell = data.at("region_of_cell").get<std::vector<Index>>();
+  if (scene.organ.materials.size() > 1) {
+    scene.body.material_of_cell = data.at("region_of_cell").get<std::vector<Index>>();
   }
   return scene;
 }

@@ -117,13 +117,13 @@ class SharedFactor : public testing::TestWithParam<Case> {
     const Case& c = GetParam();
     block_ = make_block(c.law, {c.order, {4, 3, 3}, 0.1, 3000, c.poissons_ratio});
     if (!is_solvable(block_.scene)) GTEST_SKIP() << "this build has no solver that pivots";
-    const Index side = nearest_point(block_.scene.mesh, Vec3(0.06, 0, 0.025));
+    const Index side = nearest_point(block_.scene.body.mesh, Vec3(0.06, 0, 0.025));
     nodes_ = {block_.corner, block_.middle, side};
   }
 
   /// Tools at one node after another, and two at once.
   [[nodiscard]] std::vector<InteractionList> choices(double radius) const {
-    const BondedPatches patches(block_.scene, radius);
+    const BondedPatches patches(block_.scene.body, radius);
     return {patches.around_each({nodes_[0]}), patches.around_each({nodes_[1]}),
             patches.around_each({nodes_[2]}), patches.around_each({nodes_[0], nodes_[2]})};
   }
@@ -199,7 +199,7 @@ TEST_P(SharedFactor, IsNoneWhereFewAreKept) {
 // So many unknowns are held that the solves for them would take longer than a factorisation.
 TEST_P(SharedFactor, IsNoneForLargeTips) {
   EquilibriumSolver solver(block_.scene, keeping(kShares));
-  const BondedPatches patches(block_.scene, 0.05);
+  const BondedPatches patches(block_.scene.body, 0.05);
   long expected = 0;
   for (const Index node : {block_.corner, block_.middle}) {
     const BondedPatch patch = patches.around(node);
@@ -213,7 +213,7 @@ TEST_P(SharedFactor, IsNoneForLargeTips) {
 Scene hanging_block(Law law) {
   Scene scene = make_block(law).scene;
   bool first = true;
-  for (char& fixed : scene.fixed) {
+  for (char& fixed : scene.body.fixed) {
     fixed = fixed != 0 && first ? 1 : 0;
     first = first && fixed == 0;
   }
@@ -225,7 +225,7 @@ TEST(RestFactor, OfAFloatingBodyThereIsNone) {
   for (const Law law : {Law::linear, Law::neo_hookean}) {
     const Scene scene = hanging_block(law);
     EquilibriumSolver solver(scene, keeping(kShares));
-    const BondedPatches patches(scene, 0.02);
+    const BondedPatches patches(scene.body, 0.02);
     const Block block = make_block(law);
     long expected = 1;  // the attempt
     for (const Index node : {block.corner, block.middle}) {
@@ -251,13 +251,13 @@ TEST(RestFactor, OfABodyOnSoftFeetServesAsFarAsItIsAccurate) {
   for (const double softness : {1e-3, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-15}) {
     SCOPED_TRACE(softness);
     Block block = make_block(Law::neo_hookean, {ElementOrder::quadratic, {4, 3, 3}});
-    put_inside(block.scene, scaled(block.scene.materials[0], softness),
+    put_inside(block.scene, scaled(block.scene.organ.materials[0], softness),
                [](const Vec3& p) { return p.x() < 0.02; });
     std::vector<Equilibrium> rests;
     std::vector<long> factorisations;
     for (const int kept : {kDoesNot, kShares}) {
       EquilibriumSolver solver(block.scene, keeping(kept));
-      solver.set_interaction(BondedPatches(block.scene, 0.013).around(block.middle));
+      solver.set_interaction(BondedPatches(block.scene.body, 0.013).around(block.middle));
       rests.push_back(solver.rest());
       ASSERT_EQ(rests.back().outcome, Outcome::converged) << rests.back().summary.message;
       factorisations.push_back(solver.work().factorisations);

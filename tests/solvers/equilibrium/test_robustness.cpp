@@ -37,9 +37,9 @@ TEST_P(Robustness, CellsAMillionTimesStiffer) {
   for (ElementOrder order : kOrders) {
     Block block = make_block(GetParam(), {order});
     Scene& scene = block.scene;
-    scene.materials.push_back(make_material(GetParam(), 3e9, 0.3));
-    for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
-      scene.material_of_cell.push_back(c % 5 == 0 ? 1 : 0);
+    scene.organ.materials.push_back(make_material(GetParam(), 3e9, 0.3));
+    for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+      scene.body.material_of_cell.push_back(c % 5 == 0 ? 1 : 0);
     }
     for (Index node : {block.corner, block.middle}) {
       const Equilibrium state = solve(scene, node, Vec3(0.002, -0.001, 0.003));

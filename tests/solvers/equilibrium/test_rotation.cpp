@@ -63,7 +63,7 @@ TEST_P(Rotation, OfTheSceneTurnsTheAnswer) {
     for (int trial = 0; trial < 3; ++trial) {
       const Mat3 r = random.rotation();
       Scene scene = block.scene;
-      for (Vec3& point : scene.mesh.points) point = r * point;
+      for (Vec3& point : scene.body.mesh.points) point = r * point;
       const Equilibrium state = solve(scene, r * t);
       ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
       EXPECT_EQ(state.flags, expected.flags);
@@ -73,7 +73,7 @@ TEST_P(Rotation, OfTheSceneTurnsTheAnswer) {
       EXPECT_LT((state.reaction - h).norm(), kRounding * h.norm());
       const Mat3 k = r * expected.stiffness * r.transpose();
       EXPECT_LT((state.stiffness - k).norm(), kRounding * k.norm());
-      for (Index p = 0; p < scene.mesh.num_points(); ++p) {
+      for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
         const Vec3 u = r * expected.u.segment<3>(3 * p);
         EXPECT_LT((state.u.segment<3>(3 * p) - u).norm(), kRounding * t.norm()) << p;
         const Mat3 v = r * expected.v.middleRows<3>(3 * p) * r.transpose();

@@ -72,9 +72,9 @@ TEST(SinglePrecision, SensitivityOfAStartIsRefined) {
 // Where single precision is not enough, or no scene for it, factors are of full precision.
 TEST(SinglePrecision, IsLeftAsideWhereItIsNotSafe) {
   test::Block block = test::make_block(Law::neo_hookean);
-  block.scene.materials.push_back(make_isotropic(Law::neo_hookean, 3e12, 0.35));
-  block.scene.material_of_cell.assign(block.scene.mesh.num_cells(), 0);
-  block.scene.material_of_cell[block.scene.mesh.num_cells() / 2] = 1;
+  block.scene.organ.materials.push_back(make_isotropic(Law::neo_hookean, 3e12, 0.35));
+  block.scene.body.material_of_cell.assign(block.scene.body.mesh.num_cells(), 0);
+  block.scene.body.material_of_cell[block.scene.body.mesh.num_cells() / 2] = 1;
   expect_same(solve(block.scene, block.corner, Vec3(0.004, -0.002, 0.003)));
 
   const test::Block mixed =

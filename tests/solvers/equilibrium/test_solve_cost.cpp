@@ -13,10 +13,10 @@ namespace {
 
 Scene make_cube(int bricks) {
   Scene scene;
-  scene.mesh = test::make_box(ElementOrder::quadratic, {bricks, bricks, bricks}, Vec3::Ones());
-  for (const Vec3& p : scene.mesh.points) scene.fixed.push_back(p.z() == 0 ? 1 : 0);
-  scene.touchable.assign(scene.fixed.size(), 1);
-  scene.materials = {make_isotropic(Law::neo_hookean, 10e3, 0.4)};
+  scene.body.mesh = test::make_box(ElementOrder::quadratic, {bricks, bricks, bricks}, Vec3::Ones());
+  for (const Vec3& p : scene.body.mesh.points) scene.body.fixed.push_back(p.z() == 0 ? 1 : 0);
+  scene.body.touchable.assign(scene.body.fixed.size(), 1);
+  scene.organ.materials = {make_isotropic(Law::neo_hookean, 10e3, 0.4)};
   return scene;
 }
 
@@ -53,10 +53,10 @@ TEST(SolveCost, OfALargeBodyIsThatWithoutAFactor) {
 
 TEST(SolveCost, IsToldOfABodyThatIsHeldNowhereOrThroughout) {
   Scene floating = make_cube(2);
-  floating.fixed.assign(floating.fixed.size(), 0);
+  floating.body.fixed.assign(floating.body.fixed.size(), 0);
   EXPECT_GT(measure_solve_cost(floating).factorisation_seconds, 0);
   Scene held = make_cube(2);
-  held.fixed.assign(held.fixed.size(), 1);
+  held.body.fixed.assign(held.body.fixed.size(), 1);
   const SolveCost cost = measure_solve_cost(held);
   EXPECT_EQ(cost.num_unknowns, 0);
   EXPECT_EQ(cost.factorisation_seconds, 0);

@@ -218,13 +218,13 @@ Scene make_two_pieces(ElementOrder order, Law law, Index& active_in_first) {
   Block block = make_block(law, {order});
   active_in_first = block.corner;
   Scene& scene = block.scene;
-  const TetMesh first = scene.mesh;
+  const TetMesh first = scene.body.mesh;
   for (const Vec3& p : first.points) {
-    scene.mesh.points.push_back(p + Vec3(0.3, 0, 0));
-    scene.fixed.push_back(0);
-    scene.touchable.push_back(1);
+    scene.body.mesh.points.push_back(p + Vec3(0.3, 0, 0));
+    scene.body.fixed.push_back(0);
+    scene.body.touchable.push_back(1);
   }
-  for (Index p : first.cells) scene.mesh.cells.push_back(p + first.num_points());
+  for (Index p : first.cells) scene.body.mesh.cells.push_back(p + first.num_points());
   return std::move(block.scene);
 }
 
@@ -242,8 +242,8 @@ TEST_P(Stability, APieceThatNothingHoldsIsTold) {
 TEST_P(Stability, ABodyThatCanTurnIsTold) {
   for (ElementOrder order : kOrders) {
     Block block = make_block(Law::neo_hookean, {order});
-    std::fill(block.scene.fixed.begin(), block.scene.fixed.end(), 0);
-    block.scene.fixed[0] = 1;
+    std::fill(block.scene.body.fixed.begin(), block.scene.body.fixed.end(), 0);
+    block.scene.body.fixed[0] = 1;
     expect_floats(block.scene, block.corner, GetParam());
   }
 }
@@ -251,8 +251,8 @@ TEST_P(Stability, ABodyThatCanTurnIsTold) {
 TEST_P(Stability, TwoFixedPointsAndTheActiveNodeHoldABody) {
   for (ElementOrder order : kOrders) {
     Block block = make_block(Law::neo_hookean, {order});
-    std::fill(block.scene.fixed.begin(), block.scene.fixed.end(), 0);
-    block.scene.fixed[0] = block.scene.fixed[4] = 1;
+    std::fill(block.scene.body.fixed.begin(), block.scene.body.fixed.end(), 0);
+    block.scene.body.fixed[0] = block.scene.body.fixed[4] = 1;
     EquilibriumSolver solver(block.scene, {}, make_linear_solver(GetParam()));
     solver.set_interaction(bond_nodes({block.corner}));
     EXPECT_EQ(solver.rest().outcome, Outcome::converged);

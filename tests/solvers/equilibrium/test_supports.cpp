@@ -26,10 +26,10 @@ class Supports : public testing::TestWithParam<ElementOrder> {};
 INSTANTIATE_TEST_SUITE_P(Each, Supports, testing::ValuesIn(kOrders), name_of_order);
 
 void push(Scene& scene) {
-  for (const Vec3& p : scene.mesh.points) {
+  for (const Vec3& p : scene.body.mesh.points) {
     const bool is_above = p.z() > kSize.z() - 1e-9;
-    scene.applied_traction.push_back(is_above ? Vec3(0, 60, -90) : Vec3::Zero());
-    scene.support_stiffness.push_back(p.y() < 1e-9 ? 2e4 : 0);
+    scene.body.applied_traction.push_back(is_above ? Vec3(0, 60, -90) : Vec3::Zero());
+    scene.body.support_stiffness.push_back(p.y() < 1e-9 ? 2e4 : 0);
   }
 }
 
@@ -51,9 +51,9 @@ Scene half_body(ElementOrder order) {
 
 /// The whole body, see with_mirror_image().
 Scene whole_body(const Scene& half, std::vector<Index>& twin) {
-  TetMesh mesh = with_mirror_image(half.mesh, twin);
+  TetMesh mesh = with_mirror_image(half.body.mesh, twin);
   const std::vector<char> fixed = fixed_below(mesh);
-  Scene scene = make_scene(std::move(mesh), half.materials.front(), fixed);
+  Scene scene = make_scene(std::move(mesh), half.organ.materials.front(), fixed);
   push(scene);
   return scene;
 }
@@ -64,7 +64,7 @@ TEST_P(Supports, HalfOfASymmetricBodyIsAsTheWhole) {
   const Scene half = half_body(GetParam());
   std::vector<Index> twin;
   const Scene whole = whole_body(half, twin);
-  const Index node = nearest_point(half.mesh, kSize);
+  const Index node = nearest_point(half.body.mesh, kSize);
   const Vec3 t(0.002, 0.001, -0.003);
   const Eigen::DiagonalMatrix<double, 3> mirror(-1, 1, 1);
 
@@ -82,15 +82,15 @@ TEST_P(Supports, HalfOfASymmetricBodyIsAsTheWhole) {
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   for (const Mat3& r : {Mat3(Mat3::Identity()), turn}) {
     Scene turned = half;
-    for (Vec3& p : turned.mesh.points) p = r * p;
-    for (Vec3& traction : turned.applied_traction) traction = r * traction;
-    for (HeldDirections& held : turned.held_directions) held = r * held;
+    for (Vec3& p : turned.body.mesh.points) p = r * p;
+    for (Vec3& traction : turned.body.applied_traction) traction = r * traction;
+    for (HeldDirections& held : turned.body.held_directions) held = r * held;
     for (const bool has_factor : {true, false}) {
       EquilibriumSolver solver(turned, with_tolerance(has_factor ? 1e-12 : 1e-11),
                                has_factor ? make_linear_solver() : nullptr);
       ASSERT_EQ(solver.settled().outcome, Outcome::converged) << solver.settled().summary.message;
       const NodalVector& rest = of_whole.settled().u;
-      for (Index p = 0; p < half.mesh.num_points(); ++p) {
+      for (Index p = 0; p < half.body.mesh.num_points(); ++p) {
         const Eigen::Index at = 3 * Eigen::Index{p};
         ASSERT_LT((solver.settled().u.segment<3>(at) - r * rest.segment<3>(at)).norm(),
                   kRounding * kSize.norm());
@@ -98,11 +98,11 @@ TEST_P(Supports, HalfOfASymmetricBodyIsAsTheWhole) {
       solver.set_interaction(BondedPatch({node}));
       const Equilibrium found = solver.solve(r * t, solver.rest());
       ASSERT_EQ(found.outcome, Outcome::converged) << found.summary.message;
-      for (Index p = 0; p < half.mesh.num_points(); ++p) {
+      for (Index p = 0; p < half.body.mesh.num_points(); ++p) {
         const Eigen::Index at = 3 * Eigen::Index{p};
         ASSERT_LT((found.u.segment<3>(at) - r * expected.u.segment<3>(at)).norm(),
                   kRounding * kSize.norm());
-        if (half.mesh.points[p].x() == 0) {
+        if (half.body.mesh.points[p].x() == 0) {
           ASSERT_LT(std::abs((r.transpose() * found.u.segment<3>(at)).x()), 1e-16);
         }
       }
@@ -122,7 +122,7 @@ TEST_P(Supports, DerivativesAreThoseOfTheEnergy) {
   EquilibriumOptions options = with_tolerance(1e-12);
   options.third_derivatives = true;
   EquilibriumSolver solver(half_body(GetParam()), options);
-  solver.set_interaction(BondedPatch({nearest_point(half_body(GetParam()).mesh, kSize)}));
+  solver.set_interaction(BondedPatch({nearest_point(half_body(GetParam()).body.mesh, kSize)}));
   const Vec3 t(0.002, -0.001, -0.002);
   const Equilibrium here = solver.solve(t, solver.rest());
   ASSERT_EQ(here.outcome, Outcome::converged) << here.summary.message;
@@ -141,7 +141,7 @@ TEST_P(Supports, DerivativesAreThoseOfTheEnergy) {
 TEST(Supports, ATipThatHoldsAPointOfAPlaneIsRefusedByName) {
   const Scene scene = half_body(ElementOrder::linear);
   EquilibriumSolver solver(scene, {});
-  const Index node = nearest_point(scene.mesh, Vec3(0, kSize.y(), kSize.z()));
+  const Index node = nearest_point(scene.body.mesh, Vec3(0, kSize.y(), kSize.z()));
   const std::string message = message_of([&] { solver.set_interaction(BondedPatch({node})); });
   EXPECT_NE(message.find("HeldDirection"), std::string::npos) << message;
   EXPECT_NE(message.find("node " + std::to_string(node)), std::string::npos) << message;
@@ -155,9 +155,9 @@ Scene two_pieces(ElementOrder order) {
   const auto n = static_cast<std::size_t>(mesh.num_points());
   Scene scene = make_scene(std::move(mesh), make_material(Law::neo_hookean, 3000, 0.35),
                            std::vector<char>(n, 0));
-  scene.support_stiffness.assign(n, 0);
+  scene.body.support_stiffness.assign(n, 0);
   for (Index p = 0; p < num_first; ++p) {
-    if (scene.mesh.points[p].z() == 0) scene.support_stiffness[p] = 2e4;
+    if (scene.body.mesh.points[p].z() == 0) scene.body.support_stiffness[p] = 2e4;
   }
   return scene;
 }
@@ -165,13 +165,13 @@ Scene two_pieces(ElementOrder order) {
 TEST_P(Supports, APieceWithoutAnyIsNamedBesideOneOnSprings) {
   Scene scene = two_pieces(GetParam());
   const std::string second = "48 cells, 8e-05 m³, around (0.025, 0.02, 0.12) m";
-  const Index node = nearest_point(scene.mesh, kSize + Vec3(0, 0, 0.1));
+  const Index node = nearest_point(scene.body.mesh, kSize + Vec3(0, 0, 0.1));
   const auto rest_with = [&](Index held) {
     EquilibriumSolver solver(scene, {});
     solver.set_interaction(BondedPatch({held}));
     return solver.rest();
   };
-  const Equilibrium loose = rest_with(nearest_point(scene.mesh, kSize));
+  const Equilibrium loose = rest_with(nearest_point(scene.body.mesh, kSize));
   EXPECT_NE(loose.outcome, Outcome::converged);
   EXPECT_NE(loose.summary.message.find(second), std::string::npos) << loose.summary.message;
   // A tip that holds it at one point alone lets it turn.
@@ -181,15 +181,15 @@ TEST_P(Supports, APieceWithoutAnyIsNamedBesideOneOnSprings) {
       << turns.summary.message;
   // What acts before a tool comes needs each to be held.
   Scene loaded = scene;
-  loaded.applied_traction.assign(loaded.fixed.size(), Vec3(0, 0, 1));
+  loaded.body.applied_traction.assign(loaded.body.fixed.size(), Vec3(0, 0, 1));
   const EquilibriumSolver of_loaded(loaded, {});
   EXPECT_NE(of_loaded.settled().outcome, Outcome::converged);
   EXPECT_NE(of_loaded.settled().summary.message.find(second), std::string::npos)
       << of_loaded.settled().summary.message;
   // One that slides in its plane is told before anything is solved for.
-  scene.held_directions.assign(scene.fixed.size(), HeldDirections::Zero());
-  for (std::size_t p = scene.fixed.size() / 2; p < scene.fixed.size(); ++p) {
-    scene.held_directions[p].col(0) = Vec3::UnitZ();
+  scene.body.held_directions.assign(scene.body.fixed.size(), HeldDirections::Zero());
+  for (std::size_t p = scene.body.fixed.size() / 2; p < scene.body.fixed.size(); ++p) {
+    scene.body.held_directions[p].col(0) = Vec3::UnitZ();
   }
   const std::string slides = message_of([&] { (void)rest_with(node); });
   EXPECT_NE(slides.find(second + " moves freely along ("), std::string::npos) << slides;
@@ -202,27 +202,27 @@ TEST_P(Supports, ARigidBlockSinksIntoItsBedByItsWeight) {
   constexpr double kRigid = 1e-4;
   Scene scene = make_scene(make_box(GetParam(), {2, 2, 2}, kSize),
                            make_material(Law::neo_hookean, 1e8, 0.3), {});
-  scene.fixed.assign(scene.mesh.points.size(), 0);
-  scene.touchable = boundary_points(scene.mesh);
-  for (const Vec3& p : scene.mesh.points) {
-    scene.support_stiffness.push_back(p.z() == 0 ? kBed : 0);
+  scene.body.fixed.assign(scene.body.mesh.points.size(), 0);
+  scene.body.touchable = boundary_points(scene.body.mesh);
+  for (const Vec3& p : scene.body.mesh.points) {
+    scene.body.support_stiffness.push_back(p.z() == 0 ? kBed : 0);
   }
-  scene.body_force = Vec3(1, 0, -9.81);
-  scene.densities = {kDensity};
+  scene.organ.body_force = Vec3(1, 0, -9.81);
+  scene.organ.densities = {kDensity};
   for (const bool has_factor : {true, false}) {
     EquilibriumSolver solver(scene, {}, has_factor ? make_linear_solver() : nullptr);
     const Equilibrium& rest = solver.settled();
     ASSERT_EQ(rest.outcome, Outcome::converged) << rest.summary.message;
     const double sinks = kDensity * 9.81 * kSize.z() / kBed;
     double mean = 0;
-    for (Index p = 0; p < scene.mesh.num_points(); ++p) mean += rest.u[3 * p + 2];
-    mean /= scene.mesh.num_points();
+    for (Index p = 0; p < scene.body.mesh.num_points(); ++p) mean += rest.u[3 * p + 2];
+    mean /= scene.body.mesh.num_points();
     // It tilts too, about the middle.
     EXPECT_NEAR(mean, -sinks, 2e-2 * sinks);
     Vec3 bed = Vec3::Zero();
     Index corners = 0;
-    for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-      const Vec3& x = scene.mesh.points[p];
+    for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+      const Vec3& x = scene.body.mesh.points[p];
       const bool is_corner =
           x.z() == 0 && (x.x() == 0 || x.x() == kSize.x()) && (x.y() == 0 || x.y() == kSize.y());
       if (!is_corner) continue;
@@ -243,9 +243,9 @@ TEST(Pressure, AnArteryOf120mmHgWidensByItsClosedForm) {
   ASSERT_EQ(rest.outcome, Outcome::converged) << rest.summary.message;
   const double expected = inflated_radius(artery, 1) - artery.inner;
   EXPECT_GT(expected, 0.05 * artery.inner);
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    const Vec3& x = scene.mesh.points[p];
-    if (scene.applied_pressure[p] == 0) continue;
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    const Vec3& x = scene.body.mesh.points[p];
+    if (scene.body.applied_pressure[p] == 0) continue;
     const double found = (x + rest.u.segment<3>(3 * Eigen::Index{p})).head<2>().norm();
     ASSERT_NEAR(found - artery.inner, expected, 0.01 * expected);
   }
@@ -266,10 +266,10 @@ TEST(Pressure, ASphereWidensByItsClosedForm) {
   ASSERT_EQ(rest.outcome, Outcome::converged) << rest.summary.message;
   const double expected = inflated_radius(sphere, 2) - sphere.inner;
   EXPECT_GT(expected, 0.1 * sphere.inner);
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    if (scene.applied_pressure[p] == 0) continue;
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    if (scene.body.applied_pressure[p] == 0) continue;
     const double found =
-        (scene.mesh.points[p] + rest.u.segment<3>(3 * Eigen::Index{p})).norm() - sphere.inner;
+        (scene.body.mesh.points[p] + rest.u.segment<3>(3 * Eigen::Index{p})).norm() - sphere.inner;
     ASSERT_NEAR(found, expected, 0.01 * expected);
   }
 }

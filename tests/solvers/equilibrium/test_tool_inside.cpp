@@ -43,10 +43,10 @@ Vec3 at_depth(double half_width, double depth) { return kAbove + Vec3(0, 0, half
 
 Equilibrium press(const Scene& scene, const RigidTool& tool, const Vec3& end,
                   std::unique_ptr<LinearSolver> linear_solver = make_linear_solver()) {
-  const RigidContact contact = make_contact(scene, with_defaults(tool, scene));
+  const RigidContact contact = make_contact(scene.body, with_defaults(tool, scene));
   EquilibriumSolver solver(scene, {}, std::move(linear_solver));
   solver.set_interaction(contact);
-  return solver.solve(end, solver.rest(ToolClearance(scene, contact).start_for(end)));
+  return solver.solve(end, solver.rest(ToolClearance(scene.body, {}, contact).start_for(end)));
 }
 
 /// Told, and the state is that of the last contact on the way.
@@ -99,8 +99,8 @@ TEST_P(ToolInside, ASurfaceIsTold) {
 
 TEST_P(ToolInside, OneOfTwoIsTold) {
   const Scene scene = make_coarse(GetParam());
-  const RigidContact large = make_contact(scene, with_defaults(ball(0.008), scene));
-  const RigidContact small = make_contact(scene, with_defaults(ball(0.0015), scene));
+  const RigidContact large = make_contact(scene.body, with_defaults(ball(0.008), scene));
+  const RigidContact small = make_contact(scene.body, with_defaults(ball(0.0015), scene));
   InteractionList tools;
   tools.add(large);
   tools.add(small);
@@ -126,7 +126,7 @@ TEST_P(ToolInside, ALargeBallIsNot) {
 TEST_P(ToolInside, NoRestBeginsThere) {
   const Scene scene = make_coarse(GetParam());
   EquilibriumSolver solver(scene, {});
-  solver.set_interaction(make_contact(scene, with_defaults(ball(0.001), scene)));
+  solver.set_interaction(make_contact(scene.body, with_defaults(ball(0.001), scene)));
   const std::string message = message_of([&] { (void)solver.rest(at_depth(0.001, 0.015)); });
   EXPECT_NE(message.find("inside the body"), std::string::npos) << message;
 }

@@ -55,7 +55,7 @@ double error_of(int cubes, double inner, const Material& core, const Material& s
   held.erase(held.begin());
   fixed[still] = 1;
   Scene scene = make_scene(mesh, shell, fixed);
-  scene.materials.push_back(core);
+  scene.organ.materials.push_back(core);
   double volume = 0;
   double core_volume = 0;
   for (Index c = 0; c < mesh.num_cells(); ++c) {
@@ -67,7 +67,7 @@ double error_of(int cubes, double inner, const Material& core, const Material& s
       if (i > 0) edges.col(i - 1) = mesh.points[cell[i]] - mesh.points[cell[0]];
     }
     const bool is_core = middle < inner + 1e-9;
-    scene.material_of_cell.push_back(is_core ? 1 : 0);
+    scene.body.material_of_cell.push_back(is_core ? 1 : 0);
     const double of_cell = std::abs(edges.determinant()) / 6;
     volume += of_cell;
     core_volume += is_core ? of_cell : 0;

@@ -47,7 +47,7 @@ void merge_points(TetMesh& mesh) {
 RigidContact make_sphere_for(const Scene& scene) {
   RigidTool tool;
   tool.radius = kRadius;
-  return make_contact(scene, with_defaults(tool, scene));
+  return make_contact(scene.body, with_defaults(tool, scene));
 }
 
 std::unique_ptr<LinearSolver> solver_named(bool is_direct) {
@@ -80,8 +80,8 @@ TEST_P(AnySolver, APieceThatNothingHoldsIsNamed) {
 
 TEST(UnheldPieces, ItsWeightFindsNoRest) {
   Scene scene = make_two({0, 0, 0.05}, at_bottom);
-  scene.body_force = Vec3(0, 0, -9.81);
-  scene.densities = {1000};
+  scene.organ.body_force = Vec3(0, 0, -9.81);
+  scene.organ.densities = {1000};
   const EquilibriumSolver solver(scene, {});
   EXPECT_NE(solver.settled().outcome, Outcome::converged);
   EXPECT_TRUE(contains(solver.settled().summary.message, "one of them is not held"))
@@ -92,13 +92,13 @@ TEST(UnheldPieces, ItsWeightFindsNoRest) {
 TEST(UnheldPieces, ABondedPatchHoldsOne) {
   const Scene scene = make_two({0, 0, 0.05}, at_bottom);
   EquilibriumSolver solver(scene, {});
-  const Index node = nearest_point(scene.mesh, {0.02, 0.01, 0.07});
-  solver.set_interaction(BondedPatches(scene, 0.011).around(node));
+  const Index node = nearest_point(scene.body.mesh, {0.02, 0.01, 0.07});
+  solver.set_interaction(BondedPatches(scene.body, 0.011).around(node));
   const Vec3 way(0.002, 0.001, 0.003);
   const Equilibrium state = solver.solve(way, solver.rest());
   ASSERT_EQ(state.outcome, Outcome::converged) << state.summary.message;
   EXPECT_LE(state.reaction.norm(), 1e-10);
-  const Index far = nearest_point(scene.mesh, {0, 0, 0.05});
+  const Index far = nearest_point(scene.body.mesh, {0, 0, 0.05});
   EXPECT_LE((state.u.segment<3>(3 * far) - way).norm(), 1e-9);
 }
 
@@ -115,7 +115,7 @@ TEST_P(AnySolver, APieceThatTurnsIsNamed) {
 // The points of one edge are shared.
 TEST_P(AnySolver, APartThatTurnsIsNamed) {
   Scene scene = make_two({kSize.x(), 0, kSize.z()}, at_bottom);
-  merge_points(scene.mesh);
+  merge_points(scene.body.mesh);
   const std::string message = press(scene, GetParam());
   EXPECT_TRUE(contains(message, "around (0.06, 0.01, 0.03) m is not held but along one line"))
       << message;

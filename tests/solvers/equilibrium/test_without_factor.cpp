@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(Each, LawsWithoutFactor,
 
 TEST_P(LawsWithoutFactor, EquilibriaAreThoseOfAFactor) {
   const Block block = make_block(law(), {order(), {4, 3, 3}});
-  const BondedPatch tool = BondedPatches(block.scene, 0.012).around(block.middle);
+  const BondedPatch tool = BondedPatches(block.scene.body, 0.012).around(block.middle);
   EquilibriumOptions options;
   options.third_derivatives = true;
   EquilibriumSolver direct = make_direct(block.scene, options);
@@ -102,9 +102,9 @@ TEST(WithoutFactor, ARigidToolPressesAsWithOne) {
   const Block block = make_block(Law::neo_hookean, {ElementOrder::quadratic, {6, 4, 4}});
   RigidTool tool;
   tool.radius = 0.012;
-  const RigidContact contact = make_contact(block.scene, with_defaults(tool, block.scene));
-  const Vec3 end = block.scene.mesh.points[block.middle] + Vec3(0.004, 0, 0);
-  const Vec3 start = ToolClearance(block.scene, contact).start_for(end);
+  const RigidContact contact = make_contact(block.scene.body, with_defaults(tool, block.scene));
+  const Vec3 end = block.scene.body.mesh.points[block.middle] + Vec3(0.004, 0, 0);
+  const Vec3 start = ToolClearance(block.scene.body, {}, contact).start_for(end);
   EquilibriumSolver direct = make_direct(block.scene);
   EquilibriumSolver iterative = make_iterative(block.scene);
   direct.set_interaction(contact);
@@ -295,7 +295,7 @@ TEST(WithoutFactor, SlenderThinAndStiffBodiesEndRightOrByName) {
                                     : (p - Vec3(0.05, 0.05, 0.05)).norm() < 0.03;
       });
     }
-    const Index node = nearest_point(scene.mesh, Vec3(top, 0.05, 0.05));
+    const Index node = nearest_point(scene.body.mesh, Vec3(top, 0.05, 0.05));
     const Vec3 t(0, 0, -2e-4);
     EquilibriumSolver direct = make_direct(scene);
     EquilibriumSolver iterative = make_iterative(scene);
@@ -330,8 +330,8 @@ TEST(WithoutFactor, APlateThatIsTooThinIsSaid) {
 
 TEST(WithoutFactor, ABodyThatIsNotHeldIsSaid) {
   Block block = make_block(Law::neo_hookean);
-  block.scene.fixed.assign(block.scene.fixed.size(), 0);
-  block.scene.fixed[0] = 1;
+  block.scene.body.fixed.assign(block.scene.body.fixed.size(), 0);
+  block.scene.body.fixed[0] = 1;
   EquilibriumSolver solver = make_iterative(block.scene);
   solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium rest = solver.rest();

@@ -79,7 +79,7 @@ class ContactSpace : public testing::Test {
     if (world_->rank() != 0) return;
     const TouchToolSpace& space = result.space.tool_spaces[0];
     const auto interpolator = make_interpolator(Method::energy_hermite, space);
-    InteractionFactory tools(block_.scene);
+    InteractionFactory tools(block_.scene.body);
     const InteractionSpec& spec = space.setup.interaction;
     const auto clearance = tools.clearance(spec);
     EquilibriumSolver solver(block_.scene, {});
@@ -145,8 +145,9 @@ TEST_F(ContactSpace, OfMixedCellsGivesTheForceWhereverTheToolPresses) {
 TEST_F(ContactSpace, AStartThatTouchesNothingNeedsNoFields) {
   block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {4, 3, 2}, 0.1, 3000, 0.495});
   EquilibriumSolver solver(block_.scene, {});
-  InteractionFactory tools(block_.scene);
-  InteractionSolver states(block_.scene, solver, tools);
+  InteractionFactory tools(block_.scene.body);
+  const SpaceBody body = make_space_body(block_.scene);
+  InteractionSolver states(body, solver, tools);
   const ToolSpaceSetup setup = run(*serial_).space.tool_spaces[0].setup;
   const Vec3 away(0.065, 0.03, 0.05 + 1.5 * kRadius);
   const Vec3 place(0.065, 0.03, 0.05 + 0.8 * kRadius);
@@ -234,9 +235,9 @@ TEST_F(ContactSpace, GoesOnFromAFileWithTheLayerOfEarlierVersions) {
 TEST_F(ContactSpace, ActiveNodesThatAreToBeGraspedComeBesideIt) {
   const PrecomputeResult tool = run(*world_);
   Index node = 0;
-  for (Index p = 0; p < block_.scene.mesh.num_points(); ++p) {
+  for (Index p = 0; p < block_.scene.body.mesh.num_points(); ++p) {
     const Vec3 place(0.1, 0.03, 0.05);
-    const auto& points = block_.scene.mesh.points;
+    const auto& points = block_.scene.body.mesh.points;
     if ((points[p] - place).norm() < (points[node] - place).norm()) node = p;
   }
   options_.active_nodes = {node};
@@ -292,7 +293,7 @@ TEST_F(ContactSpace, TheClearanceIsDecisiveWithinTheBodyToo) {
   constexpr double kRounding = 1e-12;
   constexpr double kSmall = 0.004;
   options_.contact->tool.radius = kSmall;
-  InteractionFactory tools(block_.scene);
+  InteractionFactory tools(block_.scene.body);
   const auto clearance =
       tools.clearance(rigid_contact_spec(with_defaults(options_.contact->tool, block_.scene)));
   const Vec3 middle(0.05, 0.03, 0.025);

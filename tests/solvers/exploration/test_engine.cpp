@@ -219,7 +219,7 @@ TEST(SimulatedEngine, FindsTheSameWhoeverSteersIt) {
     if (task % 10 != 0) return std::nullopt;
     const double angle = task + rank;
     const Vec3 goal = 0.01 * Vec3(std::sin(angle), std::cos(angle), std::sin(2 * angle));
-    return Steering{{{(task / 10) % 5, {goal}, {}}}};
+    return Steering{{{{(task / 10) % 5}, {goal}, {}}}};
   };
   for (const int ranks : {1, 2, 3, 64}) {
     const Replay found = test::replay(recordings, setups, ranks, options);
@@ -231,7 +231,7 @@ TEST(SimulatedEngine, FindsTheSameWhoeverSteersIt) {
 TEST(SimulatedEngine, LeavesOutWhatIsWithdrawnUntilItIsAskedForAgain) {
   const auto recordings = make_recordings();
   const auto setups = make_tool_spaces(5);
-  const Steering without_half{{{2, {}, {{{1, -3, -3}, {3, 3, 3}}}}}};
+  const Steering without_half{{{{2}, {}, {{{1, -3, -3}, {3, 3, 3}}}}}};
   ReplayOptions options;
   options.machine.jitter = 20e-3;
   for (const int ranks : {1, 2, 3, 64}) {
@@ -286,12 +286,14 @@ class EndlessSolver final : public StateSolver {
 /// What transitions an earlier run has left; keeps those of this one.
 class TransitionRecord final : public Record {
  public:
-  [[nodiscard]] Known known(ToolSpaceId /*tool_space*/) const override { return left; }
+  [[nodiscard]] Known known(ToolSpaceKey /*tool_space*/) const override { return left; }
   [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
-  void keep(ToolSpaceId, const Configuration&, const std::vector<IntermediateState>&) override {}
-  void keep(ToolSpaceId, const LevelTransition& transition) override { kept.push_back(transition); }
-  void settle(ToolSpaceId, const ConfigurationSummary&, std::int32_t) override {}
-  [[nodiscard]] Configuration load(ToolSpaceId,
+  void keep(ToolSpaceKey, const Configuration&, const std::vector<IntermediateState>&) override {}
+  void keep(ToolSpaceKey, const LevelTransition& transition) override {
+    kept.push_back(transition);
+  }
+  void settle(ToolSpaceKey, const ConfigurationSummary&, std::int32_t) override {}
+  [[nodiscard]] Configuration load(ToolSpaceKey,
                                    const ConfigurationSummary& summary) const override {
     return {summary, {}, {}, {}, {}};
   }

@@ -83,7 +83,7 @@ class GravitySpace : public testing::Test {
     const StateSpaceFile file = StateSpaceFile::open_read_only(options_.file);
     Scene read = file.read_scene();
     EXPECT_EQ(hash(read), hash(scene_));
-    EXPECT_EQ(read.settled.u, whole.settled.u);
+    EXPECT_EQ(file.read_rest().u, whole.bodies[0].at_rest.u);
     const TouchSpace touched = make_touch_space(file);
     EXPECT_EQ(touched.surface.points, whole.space.surface.points);
     expect_equal(touched, whole.space);
@@ -114,18 +114,17 @@ class GravitySpace : public testing::Test {
   NodalVector aim() {
     const Vec3 middle(0.065, 0.03, 0.05);
     Index on_top = 0;
-    for (Index p = 0; p < scene_.mesh.num_points(); ++p) {
-      const auto& points = scene_.mesh.points;
+    for (Index p = 0; p < scene_.body.mesh.num_points(); ++p) {
+      const auto& points = scene_.body.mesh.points;
       if ((points[p] - middle).norm() < (points[on_top] - middle).norm()) on_top = p;
     }
-    Scene settled = scene_;
     const EquilibriumSolver solver(scene_, {});
-    settled.settled = {solver.settled().u, solver.settled().p};
-    pressed_ = place_at_rest(settled, on_top);
+    const SettledBody at_rest{solver.settled().u, solver.settled().p};
+    pressed_ = place_at_rest(scene_.body.mesh, at_rest, on_top);
     options_.contact->shell.region = [place = pressed_](const Vec3& at) {
       return (at - place).norm() < 0.012;
     };
-    return settled.settled.u;
+    return at_rest.u;
   }
 
   /// The same equilibria, to the solver's tolerance.
@@ -141,11 +140,12 @@ class GravitySpace : public testing::Test {
 
   /// The surface of the space is that of the body at rest.
   void expect_rest(const PrecomputeResult& result, const Equilibrium& rest) const {
-    EXPECT_LT((result.settled.u - rest.u).lpNorm<Eigen::Infinity>(), 1e-12);
+    EXPECT_LT((result.bodies[0].at_rest.u - rest.u).lpNorm<Eigen::Infinity>(), 1e-12);
     const Surface& surface = result.space.surface;
     for (Index p = 0; p < surface.num_points(); ++p) {
       const Index point = surface.mesh_points[p];
-      const Vec3 place = scene_.mesh.points[point] + rest.u.segment<3>(3 * Eigen::Index{point});
+      const Vec3 place =
+          scene_.body.mesh.points[point] + rest.u.segment<3>(3 * Eigen::Index{point});
       EXPECT_LT((surface.points[p] - place).norm(), 1e-12);
     }
   }
@@ -177,13 +177,14 @@ TEST_F(GravitySpace, GivesForceAndShapeOfTheBodyThatSags) {
   EXPECT_GT(sag.lpNorm<Eigen::Infinity>(), 0.5 * options_.half_width);
   expect_rest(result, solver.settled());
   const TouchToolSpace& space = result.space.tool_spaces.front();
-  EXPECT_EQ(space.setup.interaction.material_point,
-            scene_.mesh.points[block_.corner] + sag.segment<3>(3 * Eigen::Index{block_.corner}));
+  EXPECT_EQ(
+      space.setup.interaction.material_point,
+      scene_.body.mesh.points[block_.corner] + sag.segment<3>(3 * Eigen::Index{block_.corner}));
   const auto interpolator = make_interpolator(Method::energy_hermite, space);
   const DisplayField field(space);
   Eigen::VectorXf coefficients(field.num_modes());
   Eigen::VectorXf shown(space.modes.rows());
-  solver.set_interaction(*InteractionFactory(scene_).make(space.setup.interaction));
+  solver.set_interaction(*InteractionFactory(scene_.body).make(space.setup.interaction));
   const Equilibrium rest = solver.rest();
   std::mt19937 random(5);
   std::uniform_real_distribution<double> share(-1, 1);
@@ -215,8 +216,8 @@ TEST_F(GravitySpace, GivesForceAndShapeOfTheBodyThatSags) {
 TEST_F(GravitySpace, GoesOnFromItsFileAndNoOtherBodyForceDoes) {
   const Scene read = expect_goes_on_from_its_file();
   if (world_->rank() == 0) {
-    EXPECT_EQ(read.body_force, kGravity);
-    EXPECT_EQ(read.densities, scene_.densities);
+    EXPECT_EQ(read.organ.body_force, kGravity);
+    EXPECT_EQ(read.organ.densities, scene_.organ.densities);
   }
   const Scene right = scene_;
   for (const Vec3& other : {Vec3(0, 0, -9.81), Vec3(0, 0, 0)}) {
@@ -266,20 +267,20 @@ TEST_F(GravitySpace, OfMixedCellsHasThePressuresOfTheRest) {
   options_.keep = Keep::all;
   options_.file = folder_ / "space.palpate";
   const PrecomputeResult result = run(*world_);
-  EXPECT_GT(result.settled.p.lpNorm<Eigen::Infinity>(), 0);
+  EXPECT_GT(result.bodies[0].at_rest.p.lpNorm<Eigen::Infinity>(), 0);
   FieldCache fields(options_.file, result.space.scene_hash);
-  EXPECT_EQ(fields.read_scene().settled.p, result.settled.p);
+  EXPECT_EQ(fields.read_body(kFirstBody).at_rest.p, result.bodies[0].at_rest.p);
   const TouchToolSpace& space = result.space.tool_spaces.front();
   EquilibriumSolver solver(scene_, {});
-  solver.set_interaction(*InteractionFactory(scene_).make(space.setup.interaction));
+  solver.set_interaction(*InteractionFactory(scene_.body).make(space.setup.interaction));
   const Vec3 t(0.01, 0, 0);
   const Equilibrium exact = solver.solve(t, solver.rest());
   ASSERT_EQ(exact.outcome, Outcome::converged);
   NodalVector u;
   NodalVector p;
   EXPECT_EQ(BodyField(space).evaluate(t, fields, Keep::all, u, p), Support::inside);
-  EXPECT_LT((u + result.settled.u - exact.u).norm(), 1e-6 * exact.u.norm());
-  EXPECT_LT((p + result.settled.p - exact.p).norm(), 1e-6 * exact.p.norm());
+  EXPECT_LT((u + result.bodies[0].at_rest.u - exact.u).norm(), 1e-6 * exact.u.norm());
+  EXPECT_LT((p + result.bodies[0].at_rest.p - exact.p).norm(), 1e-6 * exact.p.norm());
 }
 
 TEST_F(GravitySpace, ARigidToolPressesTheBodyThatSags) {
@@ -292,13 +293,12 @@ TEST_F(GravitySpace, ARigidToolPressesTheBodyThatSags) {
   if (world_->rank() != 0) return;
   EquilibriumSolver solver(scene_, {});
   expect_rest(result, solver.settled());
-  Scene settled = scene_;
-  settled.settled = result.settled;
+  const SettledBody& at_rest = result.bodies[0].at_rest;
   const TouchToolSpace& space = result.space.tool_spaces.front();
   const auto interpolator = make_interpolator(Method::energy_hermite, space);
   const BodyField field(space, interpolator->grid());
   FieldCache fields(options_.file, result.space.scene_hash);
-  InteractionFactory tools(settled);
+  InteractionFactory tools(scene_.body, at_rest);
   const InteractionSpec& spec = space.setup.interaction;
   const auto clearance = tools.clearance(spec);
   solver.set_interaction(*tools.make(spec));
@@ -325,8 +325,8 @@ TEST_F(GravitySpace, ARigidToolPressesTheBodyThatSags) {
     NodalVector u;
     NodalVector p;
     if (field.evaluate(q, fields, Keep::all, u, p) == Support::none) u = 0 * exact.u;
-    shape_error = std::max(shape_error, (u + result.settled.u - exact.u).norm());
-    shape = std::max(shape, (exact.u - result.settled.u).norm());
+    shape_error = std::max(shape_error, (u + result.bodies[0].at_rest.u - exact.u).norm());
+    shape = std::max(shape, (exact.u - result.bodies[0].at_rest.u).norm());
     if (approach.depth > 0) ++num_pressed;
   }
   EXPECT_GT(num_pressed, 10);
@@ -336,28 +336,28 @@ TEST_F(GravitySpace, ARigidToolPressesTheBodyThatSags) {
   // Where the tool is clear of the body as it sags, though not of its mesh.
   Vec3 away = pressed_;
   while (clearance->clearance(away) <= 0) away.z() += 0.0005;
-  EXPECT_LT(InteractionFactory(scene_).clearance(spec)->clearance(away), 0);
+  EXPECT_LT(InteractionFactory(scene_.body).clearance(spec)->clearance(away), 0);
   EXPECT_LT(interpolator->evaluate(away).force.norm(), 0.02 * largest);
 }
 
 TEST_F(GravitySpace, AToolThatIsJustClearOfTheBodyThatSagsTouchesNothing) {
   if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
   block_ = test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {4, 2, 2}});
-  Scene settled = heavy(block_.scene, 400);
-  EquilibriumSolver solver(settled, {});
-  settled.settled = {solver.settled().u, solver.settled().p};
-  ASSERT_GT(settled.settled.u.lpNorm<Eigen::Infinity>(), 0.01);
+  const Scene scene = heavy(block_.scene, 400);
+  EquilibriumSolver solver(scene, {});
+  const SettledBody at_rest{solver.settled().u, solver.settled().p};
+  ASSERT_GT(at_rest.u.lpNorm<Eigen::Infinity>(), 0.01);
   RigidTool tool;
   tool.radius = 0.015;
-  InteractionFactory tools(settled);
-  const InteractionSpec spec = rigid_contact_spec(with_defaults(tool, settled));
+  InteractionFactory tools(scene.body, at_rest);
+  const InteractionSpec spec = rigid_contact_spec(with_defaults(tool, scene));
   solver.set_interaction(*tools.make(spec));
   const auto clearance = tools.clearance(spec);
   int num_tested = 0;
-  for (Index p = 0; p < settled.mesh.num_points(); ++p) {
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
     // The face that is held is not felt: the tool would be inside the body there.
-    if (settled.fixed[p] != 0) continue;
-    const Vec3 on_body = place_at_rest(settled, p);
+    if (scene.body.fixed[p] != 0) continue;
+    const Vec3 on_body = place_at_rest(scene.body.mesh, at_rest, p);
     const std::optional<Vec3> start = clearance->find_start(on_body);
     if (!start) continue;
     Vec3 touches = on_body;
@@ -377,13 +377,13 @@ TEST_F(GravitySpace, AStateThatTouchesNothingIsFoundAgainFromWhatOlderFilesHaveO
   if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
   press();
   EquilibriumSolver solver(scene_, {});
-  Scene settled = scene_;
-  settled.settled = {solver.settled().u, solver.settled().p};
-  InteractionFactory tools(settled);
+  const SettledBody at_rest{solver.settled().u, solver.settled().p};
+  InteractionFactory tools(scene_.body, at_rest);
   ToolSpaceSetup setup;
   setup.id = kContactToolSpace;
-  setup.interaction = rigid_contact_spec(with_defaults(options_.contact->tool, settled));
-  InteractionSolver states(settled, solver, tools);
+  setup.interaction = rigid_contact_spec(with_defaults(options_.contact->tool, scene_));
+  const SpaceBody body = make_space_body(scene_, at_rest);
+  InteractionSolver states(body, solver, tools);
   const Vec3 away = tools.clearance(setup.interaction)->start_for(pressed_);
   Equilibrium near = states.begin(setup, away, Tangent::factorised);
   EXPECT_EQ(near.flags, flags::touches_nothing);
@@ -392,7 +392,7 @@ TEST_F(GravitySpace, AStateThatTouchesNothingIsFoundAgainFromWhatOlderFilesHaveO
   near.energy = 1e-17;
   const Equilibrium found = states.restore(setup, near, Keep::touch);
   EXPECT_EQ(found.outcome, Outcome::converged) << found.summary.message;
-  EXPECT_LT((found.u - settled.settled.u).norm(), 1e-8 * settled.settled.u.norm());
+  EXPECT_LT((found.u - at_rest.u).norm(), 1e-8 * at_rest.u.norm());
   near.reaction = Vec3(0, 0, -1);
   EXPECT_EQ(states.restore(setup, near, Keep::touch).outcome, Outcome::not_converged);
 }
@@ -421,18 +421,18 @@ TEST_F(GravitySpace, ABodyWithoutDensityOrRestIsOneClearError) {
 
 /// Springs below, a pressure from all sides, a pull above, and points that slide in planes.
 Scene with_surface_loads(Scene scene) {
-  const std::size_t n = scene.mesh.points.size();
-  scene.applied_pressure.assign(n, 60);
-  scene.support_stiffness.assign(n, 0);
-  scene.applied_traction.assign(n, Vec3::Zero());
-  scene.held_directions.assign(n, HeldDirections::Zero());
+  const std::size_t n = scene.body.mesh.points.size();
+  scene.body.applied_pressure.assign(n, 60);
+  scene.body.support_stiffness.assign(n, 0);
+  scene.body.applied_traction.assign(n, Vec3::Zero());
+  scene.body.held_directions.assign(n, HeldDirections::Zero());
   // The block is warped by less than this.
   constexpr double kNear = 0.004;
   for (std::size_t p = 0; p < n; ++p) {
-    const Vec3& x = scene.mesh.points[p];
-    if (x.z() < kNear) scene.support_stiffness[p] = 2e4;
-    if (x.z() > 0.05 - kNear) scene.applied_traction[p] = Vec3(20, 10, -60);
-    if (x.y() < kNear) scene.held_directions[p].col(0) = Vec3(0, 1, 0.1);
+    const Vec3& x = scene.body.mesh.points[p];
+    if (x.z() < kNear) scene.body.support_stiffness[p] = 2e4;
+    if (x.z() > 0.05 - kNear) scene.body.applied_traction[p] = Vec3(20, 10, -60);
+    if (x.y() < kNear) scene.body.held_directions[p].col(0) = Vec3(0, 1, 0.1);
   }
   check(scene);
   return scene;
@@ -457,7 +457,7 @@ TEST_F(LoadedSpace, SeveralRanksGiveTheSpaceOfOneToTheBit) {
   expect_rest(serial, solver.settled());
   // In between, against the body itself.
   const TouchToolSpace& space = serial.space.tool_spaces.front();
-  solver.set_interaction(*InteractionFactory(scene_).make(space.setup.interaction));
+  solver.set_interaction(*InteractionFactory(scene_.body).make(space.setup.interaction));
   const Vec3 t(0.004, -0.006, 0.003);
   const Equilibrium exact = solver.solve(t, solver.rest());
   const auto interpolator = make_interpolator(Method::energy_hermite, space);
@@ -468,18 +468,19 @@ TEST_F(LoadedSpace, SeveralRanksGiveTheSpaceOfOneToTheBit) {
 TEST_F(LoadedSpace, GoesOnFromItsFileAndNoOtherLoadDoes) {
   const Scene read = expect_goes_on_from_its_file();
   if (world_->rank() == 0) {
-    EXPECT_EQ(read.held_directions, scene_.held_directions);
-    EXPECT_EQ(read.support_stiffness, scene_.support_stiffness);
-    EXPECT_EQ(read.applied_pressure, scene_.applied_pressure);
-    EXPECT_EQ(read.applied_traction, scene_.applied_traction);
+    EXPECT_EQ(read.body.held_directions, scene_.body.held_directions);
+    EXPECT_EQ(read.body.support_stiffness, scene_.body.support_stiffness);
+    EXPECT_EQ(read.body.applied_pressure, scene_.body.applied_pressure);
+    EXPECT_EQ(read.body.applied_traction, scene_.body.applied_traction);
   }
   const Scene right = scene_;
   for (int change = 0; change < 4; ++change) {
     scene_ = right;
-    if (change == 0) scene_.applied_pressure.assign(scene_.applied_pressure.size(), 61);
-    if (change == 1) scene_.applied_traction.clear();
-    if (change == 2) scene_.support_stiffness.assign(scene_.support_stiffness.size(), 1e4);
-    if (change == 3) scene_.held_directions.clear();
+    if (change == 0) scene_.body.applied_pressure.assign(scene_.body.applied_pressure.size(), 61);
+    if (change == 1) scene_.body.applied_traction.clear();
+    if (change == 2)
+      scene_.body.support_stiffness.assign(scene_.body.support_stiffness.size(), 1e4);
+    if (change == 3) scene_.body.held_directions.clear();
     EXPECT_NE(error().find("another scene"), std::string::npos) << error();
   }
   scene_ = right;
@@ -511,9 +512,8 @@ TEST_F(LoadedSpace, ARigidToolPressesTheBodyAsItLies) {
   EquilibriumSolver solver(scene_, {});
   expect_rest(result, solver.settled());
   const TouchToolSpace& space = result.space.tool_spaces.front();
-  Scene settled = scene_;
-  settled.settled = result.settled;
-  InteractionFactory tools(settled);
+  const SettledBody& at_rest = result.bodies[0].at_rest;
+  InteractionFactory tools(scene_.body, at_rest);
   const InteractionSpec& spec = space.setup.interaction;
   solver.set_interaction(*tools.make(spec));
   const double largest = largest_force(space.configurations);

@@ -69,15 +69,15 @@ class Kept : public testing::Test {
     const StateSpaceFile from = StateSpaceFile::open_read_only(file(whole));
     EXPECT_EQ(of.bases().keep(), keep);
     EXPECT_EQ(from.bases().keep(), Keep::all);
-    const Surface surface = make_surface(block_.scene.mesh);
-    const std::vector<Index> points = kept_points(block_.scene.mesh, surface, keep);
+    const Surface surface = make_surface(block_.scene.body.mesh);
+    const std::vector<Index> points = kept_points(block_.scene.body.mesh, surface, keep);
     for (const ToolSpace& space : from.read_tool_spaces()) {
       double largest = 0;
       double error = 0;
-      for (Configuration c : from.read_summaries(space.setup.id)) {
+      for (Configuration c : from.read_summaries({space.setup.id})) {
         Configuration r = c;
-        ASSERT_TRUE(from.read_fields(space.setup.id, c));
-        ASSERT_TRUE(of.read_fields(space.setup.id, r));
+        ASSERT_TRUE(from.read_fields({space.setup.id}, c));
+        ASSERT_TRUE(of.read_fields({space.setup.id}, r));
         ASSERT_EQ(r.u.size(), c.u.size());
         if (c.u.size() == 0) continue;
         NodalVector rest = r.u;
@@ -138,10 +138,10 @@ TEST_F(Kept, AFileOfMixedCellsHasItsPressures) {
     const StateSpaceFile surface = StateSpaceFile::open_read_only(file("surface"));
     double largest = 0;
     double error = 0;
-    for (Configuration c : all.read_summaries(block_.corner)) {
+    for (Configuration c : all.read_summaries({block_.corner})) {
       Configuration r = c;
-      ASSERT_TRUE(all.read_fields(block_.corner, c));
-      ASSERT_TRUE(surface.read_fields(block_.corner, r));
+      ASSERT_TRUE(all.read_fields({block_.corner}, c));
+      ASSERT_TRUE(surface.read_fields({block_.corner}, r));
       largest = std::max(largest, c.p.cwiseAbs().maxCoeff());
       error = std::max(error, (r.p - c.p).cwiseAbs().maxCoeff());
     }
@@ -237,7 +237,7 @@ TEST_F(Kept, MoreThanIsKeptIsRefusedWithASentence) {
   const StateSpaceFile a = StateSpaceFile::open_read_only(file("a"));
   FieldCache fields(file("a"), a.scene_hash());
   const ToolSpace space = a.read_tool_spaces().front();
-  const ConfigurationSummary c = a.read_summaries(space.setup.id).front();
+  const ConfigurationSummary c = a.read_summaries({space.setup.id}).front();
   NodalVector u;
   NodalVector p;
   fields.add_up(space.setup, {{c, 1, Vec3::Zero()}}, Keep::surface, u, p);

@@ -334,7 +334,7 @@ TEST_F(Precompute, ATipOfFiniteSizeIsAnotherTool) {
   options_.tip_radius = 0.02;
   options_.file = folder_ / "a.palpate";
   const PrecomputeResult result = run(*world_);
-  const BondedPatch held = BondedPatches(block_.scene, 0.02).around(block_.corner);
+  const BondedPatch held = BondedPatches(block_.scene.body, 0.02).around(block_.corner);
   EquilibriumSolver solver(block_.scene, {});
   EXPECT_EQ(result.report.num_unknowns,
             solver.assembly().pattern().size - 3 * static_cast<Index>(held.points().size()));
@@ -385,7 +385,7 @@ TEST_F(Precompute, PressuresOfMixedCellsAreKept) {
 TEST_F(Precompute, ALinearSceneIsFactorisedOnceForEachRank) {
   block_ = test::make_block(Law::linear, {ElementOrder::quadratic, {4, 3, 3}});
   const auto nearest = [&](const Vec3& place) {
-    return test::nearest_point(block_.scene.mesh, place);
+    return test::nearest_point(block_.scene.body.mesh, place);
   };
   options_.active_nodes = {block_.corner, block_.middle, nearest({0.06, 0, 0.025}),
                            nearest({0.06, 0.06, 0.025}), nearest({0.06, 0.03, 0.05})};
@@ -413,11 +413,11 @@ TEST_F(Precompute, WithoutActiveNodesAllTouchableOnesAreTaken) {
   options_.active_nodes.clear();
   options_.resolution = 3;
   options_.half_width = 0.001;
-  std::fill(block_.scene.touchable.begin(), block_.scene.touchable.end(), 0);
-  block_.scene.touchable[block_.corner] = 1;
-  block_.scene.touchable[block_.middle] = 1;
+  std::fill(block_.scene.body.touchable.begin(), block_.scene.body.touchable.end(), 0);
+  block_.scene.body.touchable[block_.corner] = 1;
+  block_.scene.body.touchable[block_.middle] = 1;
   EXPECT_EQ(run(*world_).report.num_solved, 2 * 27);
-  std::fill(block_.scene.touchable.begin(), block_.scene.touchable.end(), 0);
+  std::fill(block_.scene.body.touchable.begin(), block_.scene.body.touchable.end(), 0);
   EXPECT_THROW((void)run(*world_), InputError);
 }
 
@@ -650,12 +650,12 @@ TEST_F(Precompute, BadOptionsAreOneClearError) {
   options_.equilibrium.tolerance = 0;
   EXPECT_NE(message().find("tolerance"), std::string::npos);
   options_ = good;
-  options_.active_nodes = {block_.scene.mesh.num_points()};
+  options_.active_nodes = {block_.scene.body.mesh.num_points()};
   EXPECT_NE(message().find("does not exist"), std::string::npos);
   options_ = good;
   options_.active_nodes = {0};  // held at x = 0
   EXPECT_NE(message().find("fixed"), std::string::npos);
-  const std::vector<char> surface = boundary_points(block_.scene.mesh);
+  const std::vector<char> surface = boundary_points(block_.scene.body.mesh);
   options_.active_nodes = {
       static_cast<Index>(std::find(surface.begin(), surface.end(), 0) - surface.begin())};
   EXPECT_NE(message().find("inside"), std::string::npos);

@@ -35,7 +35,7 @@ std::vector<StateKey> shell(int inner, int outer) {
       for (std::int32_t k = -outer; k <= outer; ++k) {
         const std::int64_t square = squared_distance({i, j, k}, {0, 0, 0});
         if (square >= inner * inner && square <= outer * outer) {
-          keys.push_back({kTool, {i, j, k}, 0});
+          keys.push_back({{kTool}, {i, j, k}, 0});
         }
       }
     }
@@ -97,7 +97,7 @@ class Fields : public testing::Test {
     c.u.resize(3 * kPoints);
     c.v.resize(3 * kPoints, 3);
     const double t = 0.1 * key.check_point[0];
-    const auto node = static_cast<double>(key.tool_space + 1);
+    const auto node = static_cast<double>(key.tool_space.id + 1);
     for (Eigen::Index i = 0; i < 3 * kPoints; ++i) {
       const double x = static_cast<double>(i) / 200;
       c.u[i] = 1e-3 * (t * std::sin(node * x) + t * t * std::cos(x + node));
@@ -119,7 +119,7 @@ class Fields : public testing::Test {
       }
       for (int s = 0; s < kStates; ++s) {
         if ((s * 5 + node) % communicator.size() != communicator.rank()) continue;
-        own.push_back({node, {s - kStates / 2, 0, 0}, 0});
+        own.push_back({{node}, {s - kStates / 2, 0, 0}, 0});
       }
     }
     task.holders = find_holders(own, communicator);
@@ -197,7 +197,7 @@ TEST_F(Fields, WhatWasReducedStaysAndIsServedByTheLargerBasis) {
     std::copy_if(all.begin(), all.end(), std::inserter(task.holders, task.holders.end()),
                  [&](const auto& held) {
                    const StateKey& key = held.first;
-                   return key.tool_space == 0 && (key.check_point[0] == 0) == small;
+                   return key.tool_space.id == 0 && (key.check_point[0] == 0) == small;
                  });
   };
   task.bound = 0.05;
@@ -228,7 +228,7 @@ TEST_F(Fields, AnErrorOfOneRankIsThatOfAll) {
   ReductionTask task = task_for(*world_);
   const bool fails = world_->rank() == world_->size() - 1;
   task.load = [fails](const StateKey& key) -> Configuration {
-    if (fails && key.tool_space == 3) throw InputError("it cannot be read");
+    if (fails && key.tool_space.id == 3) throw InputError("it cannot be read");
     return fields_of(key);
   };
   EXPECT_THROW(reduce(task, *world_), InputError);

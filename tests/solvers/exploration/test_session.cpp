@@ -40,8 +40,8 @@ class Session : public testing::Test {
   }
 
   [[nodiscard]] std::unique_ptr<ExplorationSession> begin() {
-    return begin_exploration(std::make_shared<Scene>(block_.scene), options_, *world_, progress_,
-                             take_chunk_);
+    return begin_exploration({{std::make_shared<const Scene>(block_.scene), options_.active_nodes}},
+                             options_, *world_, progress_, take_chunk_);
   }
   /// The space of a run in one go.
   [[nodiscard]] PrecomputeResult whole() const {
@@ -57,11 +57,11 @@ class Session : public testing::Test {
     };
   }
   [[nodiscard]] Steering towards(const Vec3& goal) const {
-    return {{{options_.contact ? kContactToolSpace : ToolSpaceId{block_.corner}, {goal}, {}}}};
+    return {{{{options_.contact ? kContactToolSpace : ToolSpaceId{block_.corner}}, {goal}, {}}}};
   }
   /// The targets with i > 0 are withdrawn.
   [[nodiscard]] Steering without_half() const {
-    return {{{block_.corner, {}, {{{1, -2, -2}, {2, 2, 2}}}}}};
+    return {{{{block_.corner}, {}, {{{1, -2, -2}, {2, 2, 2}}}}}};
   }
 
   std::unique_ptr<Communicator> world_ = test::make_world();
@@ -71,7 +71,7 @@ class Session : public testing::Test {
   Progress progress_;
   TakeChunk take_chunk_;
   /// On rank 0: what chunks have made.
-  TouchSpace taken_ = make_empty_touch_space(block_.scene, hash(block_.scene));
+  TouchSpace taken_ = make_empty_touch_space({make_space_body(block_.scene)});
   std::int64_t num_chunks_ = 0;
 
   void take_chunks() {

@@ -146,16 +146,16 @@ class KeptRecord final : public Record {
   KeptRecord(const std::vector<ConfigurationSummary>& left, int rank, const Network& network)
       : left_(rank == 0 ? left : std::vector<ConfigurationSummary>()), network_(network) {}
 
-  [[nodiscard]] Known known(ToolSpaceId /*tool_space*/) const override { return {left_, {}}; }
+  [[nodiscard]] Known known(ToolSpaceKey /*tool_space*/) const override { return {left_, {}}; }
   [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
-  void keep(ToolSpaceId, const Configuration& found,
+  void keep(ToolSpaceKey, const Configuration& found,
             const std::vector<IntermediateState>&) override {
     kept.push_back(found);
     kept_at[found.check_point] = network_.now();
   }
-  void keep(ToolSpaceId, const LevelTransition&) override {}
-  void settle(ToolSpaceId, const ConfigurationSummary&, std::int32_t) override {}
-  [[nodiscard]] Configuration load(ToolSpaceId,
+  void keep(ToolSpaceKey, const LevelTransition&) override {}
+  void settle(ToolSpaceKey, const ConfigurationSummary&, std::int32_t) override {}
+  [[nodiscard]] Configuration load(ToolSpaceKey,
                                    const ConfigurationSummary& summary) const override {
     const auto is_it = [&](const auto& c) { return c.check_point == summary.check_point; };
     EXPECT_TRUE(std::any_of(kept.begin(), kept.end(), is_it) ||
@@ -190,7 +190,7 @@ Explored explore(int num_ranks, const std::vector<ConfigurationSummary>& left) {
   setup.grid.resolution = 1001;
   setup.policy.force_limit = kLimit;
   const std::vector<PlannedSpace> spaces{
-      {setup, std::make_shared<StartGraph>(setup.id, make_targets())}};
+      {setup, std::make_shared<StartGraph>(setup.key(), make_targets())}};
   test::Simulation simulation(num_ranks, {});
   std::deque<Monitor> monitors;
   std::deque<FailingSolver> solvers;

@@ -179,19 +179,19 @@ TEST(Transfer, EveryMessageIsRobust) {
   expect_robust(some_basis());
   expect_robust(Snapshots(2, 1, 1));
   expect_robust(std::map<Outcome, std::int64_t>{{Outcome::converged, 1}});
-  expect_robust(make_block(Law::neo_hookean).scene.settled);
+  expect_robust(SettledBody{NodalVector::Ones(3), NodalVector::Ones(1)});
 }
 
 // The mesh has the lists of lists; a small one will do.
 TEST(Transfer, AScene) {
   Scene scene;
-  scene.mesh.points = {Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
-  scene.mesh.cells = {0, 1, 2, 3};
-  scene.materials = {make_isotropic(Law::neo_hookean, 1e4, 0.3)};
-  scene.material_of_cell = {0};
-  scene.fixed = {1, 1, 1, 0};
-  scene.touchable = {0, 0, 0, 1};
-  scene.densities = {1000};
+  scene.body.mesh.points = {Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  scene.body.mesh.cells = {0, 1, 2, 3};
+  scene.organ.materials = {make_isotropic(Law::neo_hookean, 1e4, 0.3)};
+  scene.body.material_of_cell = {0};
+  scene.body.fixed = {1, 1, 1, 0};
+  scene.body.touchable = {0, 0, 0, 1};
+  scene.organ.densities = {1000};
   expect_robust(scene);
   expect_robust(std::vector<Rheology>(2));
 }

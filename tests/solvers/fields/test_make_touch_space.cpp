@@ -36,14 +36,14 @@ TEST(TouchSpace, KeepsItsBoundOfTheWholeSpace) {
   const Scene scene = cube_scene(3);
   const StateSpace space = example_space(scene, {example_setup(63), example_setup(47, 3)});
   const TouchSpace touch = make_touch_space(space, 1e-3);
-  EXPECT_EQ(touch.scene_hash, space.scene_hash);
+  EXPECT_EQ(touch.scene_hash, space.body().hash);
   ASSERT_EQ(touch.tool_spaces.size(), 2U);
 
   double displacement = 0;
   double displacement_error = 0;
   double sensitivity_error = 0;
   for (const ToolSpace& from : space.tool_spaces) {
-    const TouchToolSpace* tool_space = touch.find(from.setup.interaction.active_node);
+    const TouchToolSpace* tool_space = touch.find(from.setup.key());
     ASSERT_NE(tool_space, nullptr);
     EXPECT_EQ(tool_space->setup, from.setup);
     ASSERT_EQ(tool_space->configurations.size(), from.configurations.size());
@@ -116,7 +116,7 @@ TEST(TouchSpace, RefusesMissingAndBrokenFields) {
   space.tool_spaces[0].configurations[5].u[7] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW((void)make_touch_space(space), InputError);
   space = whole;
-  space.tool_spaces[0].setup.interaction.active_node = scene.mesh.num_points();
+  space.tool_spaces[0].setup.interaction.active_node = scene.body.mesh.num_points();
   EXPECT_THROW((void)make_touch_space(space), InputError);
   EXPECT_THROW((void)make_touch_space(whole, 0), InputError);
 }

@@ -22,10 +22,10 @@ constexpr double kRadius = 0.02;
 
 /// Point of the surface nearest to a place.
 Index surface_point(const Scene& scene, const Vec3& place) {
-  const auto on_surface = boundary_points(scene.mesh);
+  const auto on_surface = boundary_points(scene.body.mesh);
   Index best = -1;
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    const auto distance = [&](Index q) { return (scene.mesh.points[q] - place).norm(); };
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    const auto distance = [&](Index q) { return (scene.body.mesh.points[q] - place).norm(); };
     if (on_surface[p] != 0 && (best < 0 || distance(p) < distance(best))) best = p;
   }
   return best;
@@ -33,7 +33,7 @@ Index surface_point(const Scene& scene, const Vec3& place) {
 
 std::string error_of(const Scene& scene, double radius, const std::vector<Index>& nodes) {
   try {
-    (void)BondedPatches(scene, radius).around_each(nodes);
+    (void)BondedPatches(scene.body, radius).around_each(nodes);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -57,7 +57,7 @@ class BondedPatchTest : public testing::Test {
 };
 
 TEST_F(BondedPatchTest, WithoutRadiusTheNodesAloneAreBonded) {
-  const InteractionList tools = BondedPatches(block_.scene, 0).around_each(two_nodes());
+  const InteractionList tools = BondedPatches(block_.scene.body, 0).around_each(two_nodes());
   EXPECT_EQ(tools.num_coordinates(), 6);
   const std::vector<PrescribedPoint> points = tools.prescribed_points();
   ASSERT_EQ(points.size(), 2U);
@@ -68,7 +68,7 @@ TEST_F(BondedPatchTest, WithoutRadiusTheNodesAloneAreBonded) {
 }
 
 TEST_F(BondedPatchTest, PointsOfAPatchMoveAsOneAndTheirForcesAddUp) {
-  const BondedPatch patch = BondedPatches(block_.scene, kRadius).around(block_.corner);
+  const BondedPatch patch = BondedPatches(block_.scene.body, kRadius).around(block_.corner);
   ASSERT_GT(patch.points().size(), 4U);
   const Eigen::VectorXd t = Vec3(0.005, -0.004, 0.006);
   EquilibriumSolver solver(block_.scene, {});
@@ -98,7 +98,7 @@ TEST_F(BondedPatchTest, ALargerTipIsStiffer) {
   double last = 0;
   for (const double radius : {0.0, 0.015, kRadius, 0.03}) {
     EquilibriumSolver solver(block_.scene, {});
-    solver.set_interaction(BondedPatches(block_.scene, radius).around(block_.middle));
+    solver.set_interaction(BondedPatches(block_.scene.body, radius).around(block_.middle));
     const double stiffness = solver.rest().stiffness.trace();
     EXPECT_GT(stiffness, last) << radius;
     last = stiffness;
@@ -108,7 +108,7 @@ TEST_F(BondedPatchTest, ALargerTipIsStiffer) {
 TEST_F(BondedPatchTest, SeveralToolsSuperposeInALinearScene) {
   const Block linear = make_block(Law::linear);
   EquilibriumSolver solver(linear.scene, {});
-  solver.set_interaction(BondedPatches(linear.scene, kRadius).around_each(two_nodes()));
+  solver.set_interaction(BondedPatches(linear.scene.body, kRadius).around_each(two_nodes()));
   Eigen::VectorXd both(6);
   both << 0.004, 0.002, -0.003, -0.001, 0.0035, 0.002;
   Eigen::VectorXd first = both;
@@ -132,7 +132,7 @@ TEST_F(BondedPatchTest, ForcesAndStiffnessOfSeveralToolsAreDerivativesOfTheEnerg
     constexpr double kStep = 2e-4;
     constexpr double kDifference = 1e-7;
     EquilibriumSolver solver(block.scene, with_tolerance(1e-13));
-    solver.set_interaction(BondedPatches(block.scene, kRadius).around_each(two_nodes()));
+    solver.set_interaction(BondedPatches(block.scene.body, kRadius).around_each(two_nodes()));
     Eigen::VectorXd t(6);
     t << 0.004, 0.002, -0.003, -0.001, 0.0035, 0.002;
     const Equilibrium state = solver.solve(t, solver.rest());
@@ -152,22 +152,22 @@ TEST_F(BondedPatchTest, ForcesAndStiffnessOfSeveralToolsAreDerivativesOfTheEnerg
 TEST_F(BondedPatchTest, RefusesPlacesWhereNoTipCanBe) {
   const Scene& scene = block_.scene;
   expect_mentions(error_of(scene, 0, {}), {"No active node"});
-  for (const Index node : {-1, scene.mesh.num_points()}) {
+  for (const Index node : {-1, scene.body.mesh.num_points()}) {
     expect_mentions(error_of(scene, 0, {node}), {std::to_string(node), "does not exist"});
   }
-  const auto on_surface = boundary_points(scene.mesh);
+  const auto on_surface = boundary_points(scene.body.mesh);
   const auto inside =
       static_cast<Index>(std::find(on_surface.begin(), on_surface.end(), 0) - on_surface.begin());
   expect_mentions(error_of(scene, 0, {inside}), {std::to_string(inside), "inside"});
-  const auto fixed = static_cast<Index>(std::find(scene.fixed.begin(), scene.fixed.end(), 1) -
-                                        scene.fixed.begin());
+  const auto fixed = static_cast<Index>(
+      std::find(scene.body.fixed.begin(), scene.body.fixed.end(), 1) - scene.body.fixed.begin());
   expect_mentions(error_of(scene, 0, {fixed}), {std::to_string(fixed), "fixed"});
   expect_mentions(error_of(scene, kRadius, {block_.corner, block_.corner}), {"named twice"});
   Scene loose = scene;
-  loose.mesh.points.emplace_back(1, 1, 1);
-  loose.fixed.push_back(0);
-  loose.touchable.push_back(0);
-  expect_mentions(error_of(loose, 0, {scene.mesh.num_points()}), {"no cell"});
+  loose.body.mesh.points.emplace_back(1, 1, 1);
+  loose.body.fixed.push_back(0);
+  loose.body.touchable.push_back(0);
+  expect_mentions(error_of(loose, 0, {scene.body.mesh.num_points()}), {"no cell"});
   for (const double radius : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
     expect_mentions(error_of(scene, radius, {block_.corner}), {"tip radius"});
   }

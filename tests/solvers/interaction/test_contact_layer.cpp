@@ -27,7 +27,7 @@ constexpr double kScatter = 0.06;
 std::vector<LayerPress> press(const Scene& scene, const ContactLaw& law) {
   return press_layer(
       kLayer, scene,
-      std::make_shared<const ContactSurface>(scene, kSpacingOfThickness * law.thickness), law,
+      std::make_shared<const ContactSurface>(scene.body, kSpacingOfThickness * law.thickness), law,
       kDepths);
 }
 

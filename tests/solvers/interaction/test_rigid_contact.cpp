@@ -46,7 +46,7 @@ RigidShapePtr shape_of(const std::string& name) {
 
 RigidContact contact_with(const Scene& scene, const RigidShapePtr& shape,
                           PoseMapPtr pose = translated_pose()) {
-  return {std::make_shared<const ContactSurface>(scene, 0.7 * kThickness),
+  return {std::make_shared<const ContactSurface>(scene.body, 0.7 * kThickness),
           shape,
           {kThickness, kStiffness},
           std::move(pose)};
@@ -205,7 +205,7 @@ TEST_P(AnyBody, ForceStiffnessAndThirdDerivativeAreDerivativesOfTheEnergy) {
   (void)assembly.residual(whole, force);
   Vec3 of_fixed = Vec3::Zero();
   for (Index p = 0; p < assembly.num_points(); ++p) {
-    if (block.scene.fixed[p] != 0) of_fixed += force.segment<3>(3 * Eigen::Index{p});
+    if (block.scene.body.fixed[p] != 0) of_fixed += force.segment<3>(3 * Eigen::Index{p});
   }
   EXPECT_LT((of_fixed + state.reaction).norm(), 1e-8 * state.reaction.norm());
 
@@ -240,7 +240,7 @@ TEST(RigidContact, ARotatedSceneHasTheRotatedAnswer) {
   for (const bool turned : {false, true}) {
     Block block = make_block(Law::neo_hookean);
     if (turned) {
-      for (Vec3& p : block.scene.mesh.points) p = turn * p;
+      for (Vec3& p : block.scene.body.mesh.points) p = turn * p;
     }
     const Mat3 by = turned ? turn : Mat3(Mat3::Identity());
     const Capsule capsule{kRadius, 0.02, by * Vec3(1, 0.3, 0)};
@@ -266,13 +266,13 @@ TEST(RigidContact, TheFarSideOfAThinLobeIsNotPushed) {
   const Scene scene =
       make_scene(std::move(mesh), make_isotropic(Law::neo_hookean, 1e5, 0.3), fixed);
   const RigidContact contact = contact_with(scene, make_sphere(kRadius));
-  const NodalVector at_rest = NodalVector::Zero(3 * scene.mesh.num_points());
+  const NodalVector at_rest = NodalVector::Zero(3 * scene.body.mesh.num_points());
   NodalVector force = at_rest;
   Eigen::VectorXd of_q = Vec3::Zero();
   const Eigen::VectorXd q = Vec3(0.03, 0.03, size.z() + kRadius + 0.0005);
   ASSERT_GT(contact.potential(q, at_rest, force, of_q), 0);
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    if (scene.mesh.points[p].z() < size.z()) {
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    if (scene.body.mesh.points[p].z() < size.z()) {
       EXPECT_TRUE(Vec3(force.segment<3>(3 * Eigen::Index{p})).isZero(0)) << p;
     }
   }
@@ -280,22 +280,22 @@ TEST(RigidContact, TheFarSideOfAThinLobeIsNotPushed) {
 
 TEST(RigidContact, RefusesALawThatIsNone) {
   const Block block = make_block(Law::neo_hookean);
-  const auto surface = std::make_shared<const ContactSurface>(block.scene, 0.002);
+  const auto surface = std::make_shared<const ContactSurface>(block.scene.body, 0.002);
   for (const ContactLaw& law :
        {ContactLaw{0, 1}, ContactLaw{-1, 1}, ContactLaw{1e-3, 0}, ContactLaw{1e-3, std::nan("")}}) {
     EXPECT_THROW(RigidContact(surface, make_sphere(kRadius), law), InputError);
   }
-  EXPECT_THROW(ContactSurface(block.scene, 0), InputError);
-  EXPECT_THROW(ContactSurface(block.scene, 1e-7), InputError);
-  EXPECT_THROW((void)ContactSurface::divided(block.scene, 0), InputError);
-  EXPECT_THROW((void)ContactSurface::divided(block.scene, ContactSurface::kMostDivisions + 1),
+  EXPECT_THROW(ContactSurface(block.scene.body, 0), InputError);
+  EXPECT_THROW(ContactSurface(block.scene.body, 1e-7), InputError);
+  EXPECT_THROW((void)ContactSurface::divided(block.scene.body, 0), InputError);
+  EXPECT_THROW((void)ContactSurface::divided(block.scene.body, ContactSurface::kMostDivisions + 1),
                InputError);
 }
 
 TEST(ContactSurface, DividesEveryFaceAsOftenAsItIsTold) {
   const Block block = make_block(Law::neo_hookean);
-  const ContactSurface coarse = ContactSurface::divided(block.scene, 1);
-  const ContactSurface fine = ContactSurface::divided(block.scene, 5);
+  const ContactSurface coarse = ContactSurface::divided(block.scene.body, 1);
+  const ContactSurface fine = ContactSurface::divided(block.scene.body, 5);
   ASSERT_EQ(fine.num_faces(), coarse.num_faces());
   for (Index f = 0; f < fine.num_faces(); ++f) {
     EXPECT_EQ(coarse.face(f).shape->rows(), 6);

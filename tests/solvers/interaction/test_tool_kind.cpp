@@ -38,13 +38,13 @@ class Gripped final : public ToolKind {
 TEST(ToolKind, AddingOneIsOneClass) {
   add_tool_kind(std::make_unique<Gripped>());
   const Block block = make_block(Law::neo_hookean);
-  InteractionSpec spec = bonded_patch_spec(block.scene, block.corner, 0.004);
+  InteractionSpec spec = bonded_patch_spec(block.scene.body.mesh, {}, block.corner, 0.004);
   spec.kind = kGripped;
   EXPECT_EQ(spec.name(), "the grip at node " + std::to_string(block.corner));
   EXPECT_FALSE(spec.presses());
   EXPECT_EQ(spec.touching_radius(), 0.008);
   EXPECT_EQ(spec.shown_shape().shape, ToolShape::capsule);
-  InteractionFactory tools(block.scene);
+  InteractionFactory tools(block.scene.body);
   EXPECT_EQ(tools.make(spec)->num_coordinates(), 3);
   EXPECT_EQ(tools.clearance(spec), nullptr);
   EXPECT_THROW(add_tool_kind(std::make_unique<Gripped>()), InputError) << "The number is taken.";
@@ -54,7 +54,7 @@ TEST(ToolKind, AnUnknownOneIsRefused) {
   InteractionSpec spec;
   spec.kind = static_cast<InteractionKind>(7);
   EXPECT_THROW((void)spec.name(), InputError);
-  InteractionFactory tools(make_block(Law::neo_hookean).scene);
+  InteractionFactory tools(make_block(Law::neo_hookean).scene.body);
   EXPECT_THROW((void)tools.make(spec), InputError);
   EXPECT_THROW((void)tools.clearance(spec), InputError);
 }

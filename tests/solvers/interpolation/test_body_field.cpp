@@ -41,7 +41,7 @@ class BodyFieldTest : public testing::Test {
     std::filesystem::remove(path());
     StateSpaceFile file = StateSpaceFile::create(path(), scene_, kTolerance);
     file.add_tool_space(tool_space.setup);
-    const Eigen::Index rows = 3 * Eigen::Index{scene_.mesh.num_points()};
+    const Eigen::Index rows = 3 * Eigen::Index{scene_.body.mesh.num_points()};
     const auto count = static_cast<Eigen::Index>(tool_space.configurations.size());
     tool_space.coefficients.setZero(rows, count);
     tool_space.coefficient_gradients.setZero(3 * rows, count);
@@ -57,7 +57,7 @@ class BodyFieldTest : public testing::Test {
         tool_space.coefficients.col(i) = c.u.cast<float>();
         tool_space.coefficient_gradients.col(i) = c.v.reshaped().cast<float>();
       }
-      file.add(tool_space.setup.id, c);
+      file.add({tool_space.setup.id}, c);
     }
     file.close();
   }
@@ -164,7 +164,7 @@ TEST_F(BodyFieldTest, WhatTouchesNothingIsNotRead) {
       static_cast<ConfigurationSummary&>(c) = tool_space.configurations[i];
       if ((c.flags & flags::touches_nothing) == 0) continue;
       ++free;
-      file.add(tool_space.setup.id, c);
+      file.add({tool_space.setup.id}, c);
       tool_space.coefficients.col(static_cast<Eigen::Index>(i)).setZero();
       tool_space.coefficient_gradients.col(static_cast<Eigen::Index>(i)).setZero();
     }

@@ -60,15 +60,17 @@ class ForgedFileTest : public testing::Test {
 
   [[nodiscard]] static Scene make_scene() {
     Scene scene = test::cube_scene(1);
-    scene.body_force = Vec3(0, 0, -9.81);
-    scene.densities = {1000, 1050};
-    scene.settled.u = 1e-4 * NodalVector::LinSpaced(3 * scene.mesh.num_points(), -1, 1);
-    scene.settled.p = NodalVector::LinSpaced(count_pressures(scene), -2, 3);
+    scene.organ.body_force = Vec3(0, 0, -9.81);
+    scene.organ.densities = {1000, 1050};
     return scene;
+  }
+  [[nodiscard]] static SettledBody make_rest(const Scene& scene) {
+    return {1e-4 * NodalVector::LinSpaced(3 * scene.body.mesh.num_points(), -1, 1),
+            NodalVector::LinSpaced(count_pressures(scene), -2, 3)};
   }
   /// A file with a row, and each BLOB, in every table.
   void make() const {
-    StateSpaceFile file = StateSpaceFile::create(sound_, scene_, kTolerance);
+    StateSpaceFile file = StateSpaceFile::create(sound_, scene_, kTolerance, make_rest(scene_));
     add_whole(file);
     add_reduced(file);
     add_rigid(file);
@@ -93,13 +95,13 @@ class ForgedFileTest : public testing::Test {
       Configuration c = test::example_configuration(scene_, setup, at);
       c.third_derivative = test::example_third_derivative(c.t);
       test::add_pressures(scene_, c);
-      file.add(kWhole, c,
+      file.add({kWhole}, c,
                at == CheckPoint{} ? std::vector<IntermediateState>() : test::example_way(c, 1));
       // A second branch in one of the cells.
       if (*std::min_element(at.begin(), at.end()) < 0) return;
       c.level = 1;
       c.energy += 1;
-      file.add(kWhole, c);
+      file.add({kWhole}, c);
       for (int n = 0; n < num_neighbours; ++n) {
         const CheckPoint to = neighbour(at, n);
         if (to == at || *std::min_element(to.begin(), to.end()) < 0 ||
@@ -107,7 +109,7 @@ class ForgedFileTest : public testing::Test {
           continue;
         }
         for (const std::int32_t level : {0, 1}) {
-          file.add(kWhole, LevelTransition{at, level, to, level});
+          file.add({kWhole}, LevelTransition{at, level, to, level});
         }
       }
     });
@@ -116,7 +118,7 @@ class ForgedFileTest : public testing::Test {
     const ToolSpaceSetup setup = test::example_setup(kReduced, 3);
     file.add_tool_space(setup);
     const auto num_kept = static_cast<Eigen::Index>(
-        kept_points(scene_.mesh, make_surface(scene_.mesh), Keep::surface).size());
+        kept_points(scene_.body.mesh, make_surface(scene_.body.mesh), Keep::surface).size());
     FieldBasis basis;
     basis.box = {{-1, -1, -1}, {1, 1, 1}};
     basis.keep = Keep::surface;
@@ -124,12 +126,12 @@ class ForgedFileTest : public testing::Test {
     basis.modes = Eigen::MatrixXf::Random(3 * num_kept, 3);
     basis.pressure_modes = Eigen::MatrixXf::Random(count_pressures(scene_), 2);
     basis.steps = Eigen::VectorXf::Zero(5);
-    file.bases().add(kReduced, 0, pack(basis));
+    file.bases().add({kReduced}, 0, pack(basis));
     test::for_each_check_point(setup, [&](const CheckPoint& at) {
       const Configuration c = test::example_configuration(scene_, setup, at);
       ReducedFields fields{Eigen::VectorXf::Random(3), Eigen::MatrixXf::Random(3, 3),
                            Eigen::VectorXf::Random(2), Eigen::MatrixXf::Random(2, 3)};
-      file.add(kReduced, c, fields);
+      file.add({kReduced}, c, fields);
     });
   }
   void add_rigid(StateSpaceFile& file) const {
@@ -151,7 +153,7 @@ class ForgedFileTest : public testing::Test {
       Configuration c = test::example_configuration(scene_, around_node, {i, 0, 0});
       c.t = setup.grid.place(c.check_point);
       test::add_pressures(scene_, c);
-      file.add(setup.id, c);
+      file.add(setup.key(), c);
     }
   }
 
@@ -200,7 +202,7 @@ class ForgedFileTest : public testing::Test {
   void touch() const {
     const TouchSpace space = make_touch_space(StateSpaceFile::open_read_only(path_));
     FieldCache fields(path_, space.scene_hash);
-    const Scene scene = fields.read_scene();
+    const SpaceBody body = fields.read_body(kFirstBody);
     for (const TouchToolSpace& tool_space : space.tool_spaces) {
       const SolutionBranches branches(tool_space);
       const Vec3 t =
@@ -221,9 +223,9 @@ class ForgedFileTest : public testing::Test {
       if (field.evaluate(t, fields, Keep::touch, u, p) == Support::none) continue;
       EXPECT_TRUE(u.allFinite() && p.allFinite());
       if (field.evaluate(t, fields, Keep::surface, u, p) == Support::none) continue;
-      Scene checked = scene;
+      Scene checked = *body.scene;
       check(checked);
-      (void)find_stress(Assembly(checked), checked.mesh, u, p);
+      (void)find_stress(Assembly(checked), checked.body.mesh, u, p);
     }
   }
   void resume() const {
@@ -286,7 +288,7 @@ TEST_F(ForgedFileTest, ABlobOfAnyOtherLengthIsLeftOutOrRefused) {
                   "");
       }
       if (column.table == "basis") {
-        EXPECT_EQ(StateSpaceFile::open_read_only(path_).bases().read(kReduced, 0), nullptr);
+        EXPECT_EQ(StateSpaceFile::open_read_only(path_).bases().read({kReduced}, 0), nullptr);
       }
       use();
     }

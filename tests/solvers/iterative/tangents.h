@@ -42,7 +42,7 @@ inline Tangent tangent_of(const Scene& scene, NodalVector state = {}) {
   Tangent tangent;
   tangent.scalars = assembly.pattern();
   tangent.pattern = std::make_shared<const BlockPattern>(make_block_pattern(tangent.scalars));
-  tangent.levels = make_node_levels(scene.mesh, assembly.unknown_of_point());
+  tangent.levels = make_node_levels(scene.body.mesh, assembly.unknown_of_point());
   NodalVector force;
   assembly.tangent(state, force, tangent.values);
   return tangent;
@@ -55,7 +55,7 @@ inline Scene block_scene(ElementOrder order = ElementOrder::quadratic,
   options.cells = cells;
   options.poissons_ratio = poissons_ratio;
   Scene scene = make_block(Law::neo_hookean, options).scene;
-  for (Material& material : scene.materials) {
+  for (Material& material : scene.organ.materials) {
     material = with_formulation(material, Formulation::displacement);
   }
   return scene;
@@ -68,9 +68,9 @@ inline Scene small_scene() { return block_scene(ElementOrder::quadratic, {3, 2, 
 /// tension the tangent stays definite.
 inline NodalVector stretched(const Scene& scene, double share) {
   constexpr double kWave = 80;  // 1/m
-  NodalVector u = NodalVector::Zero(3 * Eigen::Index{scene.mesh.num_points()});
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    const Vec3& x = scene.mesh.points[p];
+  NodalVector u = NodalVector::Zero(3 * Eigen::Index{scene.body.mesh.num_points()});
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    const Vec3& x = scene.body.mesh.points[p];
     const Vec3 waves(std::sin(kWave * x.y()), std::cos(kWave * x.x()),
                      std::sin(kWave * (x.y() + x.z())));
     u.segment<3>(3 * p) =
@@ -81,7 +81,7 @@ inline NodalVector stretched(const Scene& scene, double share) {
 
 /// Nothing of the body is held.
 inline Scene floating(Scene scene) {
-  std::fill(scene.fixed.begin(), scene.fixed.end(), 0);
+  std::fill(scene.body.fixed.begin(), scene.body.fixed.end(), 0);
   return scene;
 }
 

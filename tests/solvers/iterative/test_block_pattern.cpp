@@ -56,7 +56,7 @@ TEST(BlockPattern, NeighboursKnowOneAnother) {
 
 TEST(BlockPattern, PressuresAreRefused) {
   Scene scene = block_scene();
-  scene.materials[0] = with_formulation(scene.materials[0], Formulation::mixed);
+  scene.organ.materials[0] = with_formulation(scene.organ.materials[0], Formulation::mixed);
   const Assembly assembly(scene);
   ASSERT_GT(assembly.num_unknown_pressures(), 0);
   try {

@@ -87,18 +87,18 @@ TEST_P(Solving, Tet4) { expect_solved(tangent_of(block_scene(ElementOrder::linea
 
 TEST_P(Difficult, AContrastOfTenThousand) {
   Scene scene = block_scene(ElementOrder::quadratic, {6, 4, 4});
-  put_inside(scene, scaled(scene.materials[0], 1e4),
+  put_inside(scene, scaled(scene.organ.materials[0], 1e4),
              [](const Vec3& x) { return (x - Vec3(0.05, 0.03, 0.025)).norm() < 0.015; });
   expect_solved(tangent_of(scene), kOfContrast, kAgreementOfContrast);
 }
 
 TEST_P(Difficult, StiffAndSoftCellsAtRandom) {
   Scene scene = block_scene(ElementOrder::quadratic, {5, 4, 4});
-  scene.materials.push_back(scaled(scene.materials[0], 1e4));
-  scene.material_of_cell.clear();
+  scene.organ.materials.push_back(scaled(scene.organ.materials[0], 1e4));
+  scene.body.material_of_cell.clear();
   Random random(74);
-  for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
-    scene.material_of_cell.push_back(random.uniform(0, 1) < 0.3 ? 1 : 0);
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+    scene.body.material_of_cell.push_back(random.uniform(0, 1) < 0.3 ? 1 : 0);
   }
   expect_solved(tangent_of(scene), kOfContrast, kAgreementOfContrast);
 }
@@ -111,20 +111,20 @@ TEST_P(Difficult, NearlyIncompressible) {
 TEST_P(Difficult, Slivers) {
   for (double degrees : {2.0, 0.05}) {
     Scene scene;
-    scene.mesh = make_sliver_box(ElementOrder::quadratic, degrees, 0.1);
-    for (const Vec3& x : scene.mesh.points) scene.fixed.push_back(x.z() == 0 ? 1 : 0);
-    scene.touchable.assign(scene.fixed.size(), 0);
-    scene.materials = {make_isotropic(Law::linear, 3000, 0.4)};
+    scene.body.mesh = make_sliver_box(ElementOrder::quadratic, degrees, 0.1);
+    for (const Vec3& x : scene.body.mesh.points) scene.body.fixed.push_back(x.z() == 0 ? 1 : 0);
+    scene.body.touchable.assign(scene.body.fixed.size(), 0);
+    scene.organ.materials = {make_isotropic(Law::linear, 3000, 0.4)};
     EXPECT_LT(expect_solved(tangent_of(scene), kOfContrast, kAgreementOfContrast), 60);
   }
 }
 
 TEST_P(Solving, PartsThatDoNotTouch) {
   Scene scene = block_scene(ElementOrder::quadratic, {3, 2, 2});
-  const auto fixed = scene.fixed;
-  add_copy(scene.mesh, Vec3(0, 1, 0));
-  scene.fixed.insert(scene.fixed.end(), fixed.begin(), fixed.end());
-  scene.touchable.assign(scene.fixed.size(), 1);
+  const auto fixed = scene.body.fixed;
+  add_copy(scene.body.mesh, Vec3(0, 1, 0));
+  scene.body.fixed.insert(scene.body.fixed.end(), fixed.begin(), fixed.end());
+  scene.body.touchable.assign(scene.body.fixed.size(), 1);
   expect_solved(tangent_of(scene));
 }
 
@@ -262,10 +262,10 @@ TEST_F(Endings, AToleranceBelowRounding) {
 // is larger than the right-hand side, while the energy falls.
 TEST(ThinPlate, TheResidualGrowsBeforeItFalls) {
   Scene scene = small_scene();
-  scene.mesh = make_box(ElementOrder::quadratic, {8, 8, 1}, {0.1, 0.1, 0.002});
-  scene.fixed.clear();
-  for (const Vec3& x : scene.mesh.points) scene.fixed.push_back(x.x() == 0 ? 1 : 0);
-  scene.touchable.assign(scene.fixed.size(), 1);
+  scene.body.mesh = make_box(ElementOrder::quadratic, {8, 8, 1}, {0.1, 0.1, 0.002});
+  scene.body.fixed.clear();
+  for (const Vec3& x : scene.body.mesh.points) scene.body.fixed.push_back(x.x() == 0 ? 1 : 0);
+  scene.body.touchable.assign(scene.body.fixed.size(), 1);
   const Tangent tangent = tangent_of(scene);
   const auto preconditioner = make_preconditioner(tangent.pattern, tangent.levels);
   ASSERT_EQ(preconditioner->refresh(tangent.values).status, SetupStatus::ok);
@@ -397,7 +397,7 @@ INSTANTIATE_TEST_SUITE_P(Each, Small, testing::ValuesIn(kinds()),
 
 TEST_P(Small, EverythingIsFixed) {
   Scene scene = block_scene(ElementOrder::quadratic, {1, 1, 1});
-  std::fill(scene.fixed.begin(), scene.fixed.end(), 1);
+  std::fill(scene.body.fixed.begin(), scene.body.fixed.end(), 1);
   const Tangent tangent = tangent_of(scene);
   ASSERT_EQ(tangent.size(), 0);
   auto preconditioner = GetParam().make(tangent);
@@ -411,12 +411,12 @@ TEST_P(Small, EverythingIsFixed) {
 // One corner is free, or none but midside nodes are, or one node in all.
 TEST_P(Small, FewNodesAreFree) {
   Scene scene = block_scene(ElementOrder::quadratic, {1, 1, 1});
-  const Index count = scene.mesh.num_points();
+  const Index count = scene.body.mesh.num_points();
   for (const auto& free :
        {std::vector<Index>{0}, std::vector<Index>{count - 1}, std::vector<Index>{0, 5, count - 1},
         std::vector<Index>{count - 3, count - 2, count - 1}}) {
-    std::fill(scene.fixed.begin(), scene.fixed.end(), 1);
-    for (Index p : free) scene.fixed[p] = 0;
+    std::fill(scene.body.fixed.begin(), scene.body.fixed.end(), 1);
+    for (Index p : free) scene.body.fixed[p] = 0;
     const Tangent tangent = tangent_of(scene);
     ASSERT_EQ(tangent.size(), 3 * static_cast<Index>(free.size()));
     auto preconditioner = GetParam().make(tangent);

@@ -49,15 +49,15 @@ TEST(Galerkin, IsTheProduct) {
 TEST(Galerkin, OfNodesInAnyOrder) {
   // The corners of a body come before its midside nodes in most meshes, but need not.
   Scene scene = block_scene();
-  const Index count = scene.mesh.num_points();
+  const Index count = scene.body.mesh.num_points();
   const auto turned = [&](Index p) { return (11 * p + 3) % count; };
   ASSERT_NE(count % 11, 0) << "two points would have one place";
   Scene other = scene;
   for (Index p = 0; p < count; ++p) {
-    other.mesh.points[turned(p)] = scene.mesh.points[p];
-    other.fixed[turned(p)] = scene.fixed[p];
+    other.body.mesh.points[turned(p)] = scene.body.mesh.points[p];
+    other.body.fixed[turned(p)] = scene.body.fixed[p];
   }
-  for (Index& p : other.mesh.cells) p = turned(p);
+  for (Index& p : other.body.mesh.cells) p = turned(p);
   expect_product(tangent_of(other));
 }
 
@@ -85,10 +85,10 @@ TEST(Galerkin, LinearFieldsAreProlongedExactly) {
   }
   const Eigen::VectorXd nodes = dense_prolongation(tangent.levels) * corners;
   const Assembly assembly(scene);
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
     const Index unknown = assembly.unknown_of_point()[p];
     ASSERT_GE(unknown, 0);
-    EXPECT_LT((nodes.segment<3>(unknown) - gradient * scene.mesh.points[p]).norm(), 1e-15);
+    EXPECT_LT((nodes.segment<3>(unknown) - gradient * scene.body.mesh.points[p]).norm(), 1e-15);
   }
 }
 

@@ -89,15 +89,15 @@ TEST_P(Lowest, OfAnIndefiniteMatrixWithThePreconditionerOfAnother) {
 Tangent column_at(double strain) {
   constexpr double kLength = 20;
   Scene scene;
-  scene.mesh = make_box(ElementOrder::quadratic, {16, 1, 1}, {kLength, 1, 0.8});
-  for (const Vec3& x : scene.mesh.points) {
-    scene.fixed.push_back(x.x() == 0 || x.x() == kLength ? 1 : 0);
+  scene.body.mesh = make_box(ElementOrder::quadratic, {16, 1, 1}, {kLength, 1, 0.8});
+  for (const Vec3& x : scene.body.mesh.points) {
+    scene.body.fixed.push_back(x.x() == 0 || x.x() == kLength ? 1 : 0);
   }
-  scene.touchable.assign(scene.fixed.size(), 1);
-  scene.materials = {make_isotropic(Law::st_venant_kirchhoff, 1000, 0)};
-  NodalVector u = NodalVector::Zero(3 * Eigen::Index{scene.mesh.num_points()});
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    u[3 * p] = -strain * scene.mesh.points[p].x();
+  scene.body.touchable.assign(scene.body.fixed.size(), 1);
+  scene.organ.materials = {make_isotropic(Law::st_venant_kirchhoff, 1000, 0)};
+  NodalVector u = NodalVector::Zero(3 * Eigen::Index{scene.body.mesh.num_points()});
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    u[3 * p] = -strain * scene.body.mesh.points[p].x();
   }
   return tangent_of(scene, u);
 }
@@ -187,10 +187,10 @@ TEST(LowestEigenvalue, WhereTheSolveForNoiseDoesNotEndTheSignIsNotKnown) {
 TEST(LowestEigenvalue, OfTwins) {
   Scene scene = small_scene();
   const double alone = eigenvalues_of(tangent_of(scene))[0];
-  const auto fixed = scene.fixed;
-  add_copy(scene.mesh, Vec3(0, 1, 0));
-  scene.fixed.insert(scene.fixed.end(), fixed.begin(), fixed.end());
-  scene.touchable.assign(scene.fixed.size(), 1);
+  const auto fixed = scene.body.fixed;
+  add_copy(scene.body.mesh, Vec3(0, 1, 0));
+  scene.body.fixed.insert(scene.body.fixed.end(), fixed.begin(), fixed.end());
+  scene.body.touchable.assign(scene.body.fixed.size(), 1);
   const Tangent tangent = tangent_of(scene);
   const auto preconditioner = make_preconditioner(tangent.pattern, tangent.levels);
   ASSERT_EQ(preconditioner->refresh(tangent.values).status, SetupStatus::ok);
@@ -203,8 +203,8 @@ TEST(LowestEigenvalue, OfTwins) {
 // There are fewer modes than vectors in the iteration.
 TEST(LowestEigenvalue, OfOneNode) {
   Scene scene = block_scene(ElementOrder::quadratic, {1, 1, 1});
-  std::fill(scene.fixed.begin(), scene.fixed.end(), 1);
-  scene.fixed[0] = 0;
+  std::fill(scene.body.fixed.begin(), scene.body.fixed.end(), 1);
+  scene.body.fixed[0] = 0;
   const Tangent tangent = tangent_of(scene);
   const auto preconditioner = make_preconditioner(tangent.pattern, tangent.levels);
   ASSERT_EQ(preconditioner->refresh(tangent.values).status, SetupStatus::ok);

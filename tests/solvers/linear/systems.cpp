@@ -30,19 +30,19 @@ System incompressible(const Scene& scene, double softness, double unit) {
   const System stiffness = body(scene);
   const Assembly assembly(scene);
   std::map<Index, Index> pressure;  // its number, by corner
-  for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
-    for (int i = 0; i < 4; ++i) pressure.try_emplace(scene.mesh.cell(c)[i], 0);
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+    for (int i = 0; i < 4; ++i) pressure.try_emplace(scene.body.mesh.cell(c)[i], 0);
   }
   Index size = stiffness.pattern.size;
   for (auto& [corner, number] : pressure) number = size++;
 
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(size, size);
   matrix.topLeftCorner(stiffness.pattern.size, stiffness.pattern.size) = stiffness.matrix();
-  for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
-    const Index* cell = scene.mesh.cell(c);
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+    const Index* cell = scene.body.mesh.cell(c);
     Mat3 edges;
     for (int i = 0; i < 3; ++i) {
-      edges.col(i) = scene.mesh.points[cell[i + 1]] - scene.mesh.points[cell[0]];
+      edges.col(i) = scene.body.mesh.points[cell[i + 1]] - scene.body.mesh.points[cell[0]];
     }
     Eigen::Matrix<double, 4, 3> of_l;
     of_l.bottomRows<3>() = edges.inverse();

@@ -68,10 +68,10 @@ TEST(Group, SolvesAsOneRankDoes) {
 TEST(Group, TakesSaddlePoints) {
   with_group([](std::unique_ptr<LinearSolver> group) {
     Scene scene;
-    scene.mesh = make_box(ElementOrder::quadratic, {3, 3, 3}, Vec3(1, 1, 1));
-    for (const Vec3& p : scene.mesh.points) scene.fixed.push_back(p.z() == 0 ? 1 : 0);
-    scene.touchable.assign(scene.fixed.size(), 0);
-    scene.materials = {make_isotropic(Law::linear, 1000, 0)};
+    scene.body.mesh = make_box(ElementOrder::quadratic, {3, 3, 3}, Vec3(1, 1, 1));
+    for (const Vec3& p : scene.body.mesh.points) scene.body.fixed.push_back(p.z() == 0 ? 1 : 0);
+    scene.body.touchable.assign(scene.body.fixed.size(), 0);
+    scene.organ.materials = {make_isotropic(Law::linear, 1000, 0)};
     const System system = incompressible(scene, 0, 1);
     const auto alone = make_linear_solver("MUMPS");
     group->analyse(system.pattern);
@@ -84,7 +84,7 @@ TEST(Group, TakesSaddlePoints) {
 TEST(Group, KnowsABodyThatFloats) {
   with_group([](std::unique_ptr<LinearSolver> group) {
     Scene scene = make_block(Law::linear, {ElementOrder::quadratic, {5, 4, 4}}).scene;
-    std::fill(scene.fixed.begin(), scene.fixed.end(), 0);
+    std::fill(scene.body.fixed.begin(), scene.body.fixed.end(), 0);
     const System system = body(scene);
     group->analyse(system.pattern);
     EXPECT_EQ(group->factorise(system.values), FactorStatus::singular);

@@ -176,7 +176,7 @@ TEST_P(Solver, AnEmptyRowIsSingular) {
 TEST_P(Solver, ABodyThatFloatsIsSingular) {
   for (ElementOrder order : {ElementOrder::linear, ElementOrder::quadratic}) {
     Scene scene = make_block(Law::linear, {order}).scene;
-    std::fill(scene.fixed.begin(), scene.fixed.end(), 0);
+    std::fill(scene.body.fixed.begin(), scene.body.fixed.end(), 0);
     const System system = body(scene);
     const auto solver = make();
     solver->analyse(system.pattern);

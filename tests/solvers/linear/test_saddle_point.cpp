@@ -19,13 +19,14 @@ using Where = std::function<bool(const Vec3&)>;
 
 Scene make_cube(const Where& held, double contrast = 1) {
   Scene scene;
-  scene.mesh = make_box(ElementOrder::quadratic, {2, 2, 2}, Vec3(1, 1, 1));
-  for (const Vec3& p : scene.mesh.points) scene.fixed.push_back(held(p) ? 1 : 0);
-  scene.touchable.assign(scene.fixed.size(), 0);
-  scene.materials = {make_isotropic(Law::linear, 1000, 0),
-                     make_isotropic(Law::linear, 1000 * contrast, 0)};
-  for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
-    scene.material_of_cell.push_back(scene.mesh.points[scene.mesh.cell(c)[0]].z() < 0.5 ? 0 : 1);
+  scene.body.mesh = make_box(ElementOrder::quadratic, {2, 2, 2}, Vec3(1, 1, 1));
+  for (const Vec3& p : scene.body.mesh.points) scene.body.fixed.push_back(held(p) ? 1 : 0);
+  scene.body.touchable.assign(scene.body.fixed.size(), 0);
+  scene.organ.materials = {make_isotropic(Law::linear, 1000, 0),
+                           make_isotropic(Law::linear, 1000 * contrast, 0)};
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+    scene.body.material_of_cell.push_back(
+        scene.body.mesh.points[scene.body.mesh.cell(c)[0]].z() < 0.5 ? 0 : 1);
   }
   return scene;
 }
@@ -124,15 +125,15 @@ TEST_F(SaddlePoint, OfNearlyIncompressibleBodies) {
     for (double nu : {0.4999, 0.499999}) {
       SCOPED_TRACE(std::to_string(nodes_per_cell(order)) + " nodes, " + std::to_string(nu));
       Scene scene = make_cube(at_bottom);
-      scene.mesh = make_box(order, {2, 2, 2}, Vec3(1, 1, 1));
-      scene.fixed.resize(scene.mesh.num_points());
-      scene.touchable.resize(scene.mesh.num_points());
-      scene.materials = {
+      scene.body.mesh = make_box(order, {2, 2, 2}, Vec3(1, 1, 1));
+      scene.body.fixed.resize(scene.body.mesh.num_points());
+      scene.body.touchable.resize(scene.body.mesh.num_points());
+      scene.organ.materials = {
           with_formulation(make_isotropic(Law::linear, 1000, nu), Formulation::mixed)};
-      scene.material_of_cell.clear();
+      scene.body.material_of_cell.clear();
       ASSERT_EQ(factorise(body(scene)), FactorStatus::ok);
       EXPECT_EQ(solver_->negative_pivots(), kPressures);
-      std::fill(scene.fixed.begin(), scene.fixed.end(), 0);
+      std::fill(scene.body.fixed.begin(), scene.body.fixed.end(), 0);
       EXPECT_EQ(factorise(body(scene)), FactorStatus::singular);
     }
   }

@@ -34,21 +34,21 @@ struct Cube {
 
 Scene make_cube(const Cube& cube, const Where& held) {
   Scene scene;
-  scene.mesh = make_box(cube.order, {4, 4, 4}, kSize);
-  for (const Vec3& p : scene.mesh.points) scene.fixed.push_back(held(p) ? 1 : 0);
-  scene.touchable.assign(scene.fixed.size(), 0);
+  scene.body.mesh = make_box(cube.order, {4, 4, 4}, kSize);
+  for (const Vec3& p : scene.body.mesh.points) scene.body.fixed.push_back(held(p) ? 1 : 0);
+  scene.body.touchable.assign(scene.body.fixed.size(), 0);
   for (double youngs_modulus : {1000.0, 1000 * cube.contrast}) {
-    scene.materials.push_back(
+    scene.organ.materials.push_back(
         with_formulation(make_isotropic(Law::linear, youngs_modulus, cube.poissons_ratio),
                          Formulation::displacement));
   }
-  for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
     Vec3 centre = Vec3::Zero();
-    for (int i = 0; i < 4; ++i) centre += scene.mesh.points[scene.mesh.cell(c)[i]] / 4;
-    scene.material_of_cell.push_back(cube.stiff(centre) ? 1 : 0);
+    for (int i = 0; i < 4; ++i) centre += scene.body.mesh.points[scene.body.mesh.cell(c)[i]] / 4;
+    scene.body.material_of_cell.push_back(cube.stiff(centre) ? 1 : 0);
   }
   if (cube.layer > 0) {
-    warp_straight(scene.mesh, [&](const Vec3& p) -> Vec3 {
+    warp_straight(scene.body.mesh, [&](const Vec3& p) -> Vec3 {
       return p.z() == 0.75 ? Vec3(p.x(), p.y(), 0.5 + cube.layer) : p;
     });
   }
@@ -138,13 +138,13 @@ TEST_P(Singular, Slivers) {
 
 TEST_P(Singular, OnePartOfTwoFloats) {
   Scene scene = make_cube({}, at_bottom);
-  const TetMesh whole = scene.mesh;
-  scene.mesh = subset(whole, [&](Index c) {
+  const TetMesh whole = scene.body.mesh;
+  scene.body.mesh = subset(whole, [&](Index c) {
     const double z = whole.points[whole.cell(c)[0]].z() + whole.points[whole.cell(c)[1]].z() +
                      whole.points[whole.cell(c)[2]].z() + whole.points[whole.cell(c)[3]].z();
     return z < 1 || z > 2;  // not the second layer of four
   });
-  scene.material_of_cell.resize(scene.mesh.num_cells());
+  scene.body.material_of_cell.resize(scene.body.mesh.num_cells());
   const System system = body(scene);
   const auto solver = make_linear_solver(GetParam());
   solver->analyse(system.pattern);

@@ -132,10 +132,11 @@ INSTANTIATE_TEST_SUITE_P(Laws, OfEachLaw,
 TEST(ReducedEnergy, OfABodyOfSeveralLawsIsThatOfTheWholeBody) {
   test::Block block = test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {2, 1, 1}});
   Scene& scene = block.scene;
-  scene.materials = {test::make_material(Law::neo_hookean, 3000, 0.3),
-                     test::make_material(Law::fung, 9000, 0.4),
-                     test::make_material(Law::neo_hookean, 20000, 0.2)};
-  for (Index c = 0; c < scene.mesh.num_cells(); ++c) scene.material_of_cell.push_back(c % 3);
+  scene.organ.materials = {test::make_material(Law::neo_hookean, 3000, 0.3),
+                           test::make_material(Law::fung, 9000, 0.4),
+                           test::make_material(Law::neo_hookean, 20000, 0.2)};
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c)
+    scene.body.material_of_cell.push_back(c % 3);
   InteractionList tools;
   tools.add(BondedPatch({block.corner}));
   std::vector<Rheology> rheologies(3);
@@ -143,7 +144,7 @@ TEST(ReducedEnergy, OfABodyOfSeveralLawsIsThatOfTheWholeBody) {
   rheologies[2].density = 2000;
   const test::WholeModel whole = test::make_whole_model(scene, rheologies, tools);
   ASSERT_EQ(whole.model.points.groups.size(), 2u);
-  EXPECT_EQ(whole.model.points.num_points(), 4 * scene.mesh.num_cells());
+  EXPECT_EQ(whole.model.points.num_points(), 4 * scene.body.mesh.num_cells());
   const Assembly assembly(scene);
   ReducedEnergy energy(whole.model.points, whole.model.materials);
   test::Random random(8);
@@ -155,7 +156,7 @@ TEST(ReducedEnergy, OfABodyOfSeveralLawsIsThatOfTheWholeBody) {
   EXPECT_NEAR(sums.minimum_det_f, expected.minimum_det_f, 1e-12);
   const Eigen::VectorXd of_basis = whole.basis.transpose() * force;
   EXPECT_LT((energy.force() - of_basis).norm(), 1e-11 * of_basis.norm());
-  const MassMatrix mass(scene, {1000, 0, 2000}, assembly);
+  const MassMatrix mass(scene.body, {1000, 0, 2000}, assembly);
   const NodalVector of_mass = mass.times(whole.basis * y).head(whole.basis.rows());
   EXPECT_NEAR(y.dot(whole.model.mass * y), (whole.basis * y).dot(of_mass),
               1e-12 * y.dot(whole.model.mass * y));

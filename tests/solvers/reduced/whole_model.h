@@ -28,7 +28,7 @@ inline WholeModel make_whole_model(const Scene& scene, const std::vector<Rheolog
   solver.set_interaction(tools);
   const Equilibrium rest = solver.rest();
   const RestStiffness stiffness(solver.assembly(), under_weight);
-  std::vector<char> held(scene.fixed);
+  std::vector<char> held(scene.body.fixed);
   for (const PrescribedPoint& p : tools.prescribed_points()) held[p.point] = 1;
   std::vector<Eigen::Index> free;
   for (std::size_t p = 0; p < held.size(); ++p) {

@@ -44,15 +44,15 @@ Rheology dense(double prony_modulus = 0) {
 }
 
 std::vector<BondedPatch> patches_of(const test::Block& block, int num_tools) {
-  const BondedPatches patches(block.scene, 0.016);
+  const BondedPatches patches(block.scene.body, 0.016);
   std::vector<BondedPatch> tools = {patches.around(block.corner)};
   // The opposite corner of the end that is touched.
   Index other = -1;
   double farthest = 0;
-  const std::vector<Vec3>& points = block.scene.mesh.points;
-  for (Index p = 0; p < block.scene.mesh.num_points(); ++p) {
+  const std::vector<Vec3>& points = block.scene.body.mesh.points;
+  for (Index p = 0; p < block.scene.body.mesh.num_points(); ++p) {
     const double distance = (points[p] - points[block.corner]).norm();
-    if (block.scene.fixed[p] != 0 || points[p].x() < 0.09 || distance < farthest) continue;
+    if (block.scene.body.fixed[p] != 0 || points[p].x() < 0.09 || distance < farthest) continue;
     farthest = distance;
     other = p;
   }
@@ -220,8 +220,8 @@ TEST(BuildReducedModel, OnSpringsInPlanesAndUnderATractionItIsAsTheWholeBody) {
   EXPECT_EQ(built.rest, solver.settled().u);
   EXPECT_GT(built.rest.lpNorm<Eigen::Infinity>(), 0.1 * kReach);
   solver.set_interaction(as_list(tools));
-  for (std::size_t p = 0; p < block.scene.held_directions.size(); ++p) {
-    const Eigen::MatrixXd along = block.scene.held_directions[p].transpose() *
+  for (std::size_t p = 0; p < block.scene.body.held_directions.size(); ++p) {
+    const Eigen::MatrixXd along = block.scene.body.held_directions[p].transpose() *
                                   built.basis.middleRows<3>(3 * static_cast<Eigen::Index>(p));
     // Rounding, of a row of the basis.
     ASSERT_LT(along.norm(), 1e-12 * built.basis.rowwise().norm().maxCoeff());
@@ -241,7 +241,7 @@ TEST(BuildReducedModel, OnSpringsInPlanesAndUnderATractionItIsAsTheWholeBody) {
 TEST(ReducedEnergy, OfSpringsIsThatOfTheWholeBody) {
   const Scene scene = test::supported(make_block(Law::neo_hookean).scene);
   const Assembly assembly(scene);
-  const std::optional<PointMatrix> springs = springs_of(scene, assembly);
+  const std::optional<PointMatrix> springs = springs_of(scene.body, assembly);
   ASSERT_TRUE(springs);
   const std::vector<BondedPatch> tools = patches_of(make_block(Law::neo_hookean), 1);
   const BuiltModel built = build_reduced_model(scene, {Rheology()}, tools, small_options(5));
@@ -320,12 +320,12 @@ TEST(HyperReduction, ItsWeightsStandForAllPointsOnTheTrainingStates) {
   Eigen::MatrixXd states(13, fields.cols());
   states << modes.coordinates(fields), training.tools;
   const BodyPoints points(block.scene);
-  EXPECT_NEAR(points.weights().sum(), volume(block.scene.mesh), 1e-12);
+  EXPECT_NEAR(points.weights().sum(), volume(block.scene.body.mesh), 1e-12);
   for (const double tolerance : {1e-2, 1e-3}) {
     HyperReductionOptions options;
     options.tolerance = tolerance;
     const HyperReduction chosen =
-        hyper_reduce(points, block.scene.materials, basis, rest.stiffness, states, options);
+        hyper_reduce(points, block.scene.organ.materials, basis, rest.stiffness, states, options);
     EXPECT_TRUE(chosen.converged);
     EXPECT_LE(chosen.residual, tolerance);
     EXPECT_LT(chosen.points.size(), 288u / 2);
@@ -354,15 +354,16 @@ TEST(HyperReduction, ItsWeightsStandForAllPointsOnTheTrainingStates) {
   for (const Index most : {240, 60}) {
     options.max_candidates = most;
     const HyperReduction chosen =
-        hyper_reduce(points, block.scene.materials, basis, rest.stiffness, states, options);
+        hyper_reduce(points, block.scene.organ.materials, basis, rest.stiffness, states, options);
     EXPECT_TRUE(chosen.converged) << chosen.residual;
     EXPECT_TRUE(std::is_sorted(chosen.points.begin(), chosen.points.end()));
     EXPECT_LT(chosen.points.size(), static_cast<std::size_t>(most));
   }
   // No state is left where the law is not defined in any.
   const Eigen::MatrixXd torn = 100 * states;
-  EXPECT_THROW((void)hyper_reduce(points, block.scene.materials, basis, rest.stiffness, torn, {}),
-               InputError);
+  EXPECT_THROW(
+      (void)hyper_reduce(points, block.scene.organ.materials, basis, rest.stiffness, torn, {}),
+      InputError);
 }
 
 TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
@@ -376,10 +377,10 @@ TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
   EXPECT_NE(build(block.scene, {dense()}, {}, options).find("tool"), std::string::npos);
   EXPECT_NE(build(block.scene, {}, tools, options).find("rheologies"), std::string::npos);
   Scene mixed = block.scene;
-  mixed.materials[0] = make_isotropic(Law::neo_hookean, 5000, 0.49);
+  mixed.organ.materials[0] = make_isotropic(Law::neo_hookean, 5000, 0.49);
   EXPECT_NE(build(mixed, {dense()}, tools, options).find("pressure"), std::string::npos);
   Scene loose = block.scene;
-  loose.fixed.assign(loose.fixed.size(), 0);
+  loose.body.fixed.assign(loose.body.fixed.size(), 0);
   EXPECT_NE(build(loose, {dense()}, tools, options).find("fixed"), std::string::npos);
   Rheology bad = dense();
   bad.density = -1;
@@ -395,7 +396,7 @@ TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
   EXPECT_NE(build(block.scene, {dense()}, tools, heavy).find("BodyForce"), std::string::npos);
 
   Scene pressed = block.scene;
-  pressed.applied_pressure.assign(pressed.fixed.size(), 100);
+  pressed.body.applied_pressure.assign(pressed.body.fixed.size(), 100);
   EXPECT_NE(build(pressed, {dense()}, tools, options).find("AppliedPressure"), std::string::npos);
 
   ReductionOptions far = options;

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 class KeptModelTest : public testing::Test {
  protected:
   void SetUp() override {
-    const BondedPatches patches(block_.scene, 0.016);
+    const BondedPatches patches(block_.scene.body, 0.016);
     tools_.patches = {patches.around(block_.corner)};
     tools_.nodes = {block_.corner};
     rheology_.density = 1000;
@@ -50,7 +50,7 @@ class KeptModelTest : public testing::Test {
   }
   /// The tool is trained at two places, and attached at a third.
   void attach_between_places() {
-    const BondedPatches patches(block_.scene, 0.016);
+    const BondedPatches patches(block_.scene.body, 0.016);
     const auto at = [&](const Vec3& place) { return nearest_point(place); };
     tools_.places = {{patches.around(block_.corner)}, {patches.around(at({0.1, 0, 0.05}))}};
     tools_.nodes = {at({0.08, 0.03, 0.05})};
@@ -59,7 +59,7 @@ class KeptModelTest : public testing::Test {
     options_.place_modes = 10;
   }
   [[nodiscard]] Index nearest_point(const Vec3& place) const {
-    const std::vector<Vec3>& points = block_.scene.mesh.points;
+    const std::vector<Vec3>& points = block_.scene.body.mesh.points;
     const auto nearest = std::min_element(
         points.begin(), points.end(),
         [&](const Vec3& a, const Vec3& b) { return (a - place).norm() < (b - place).norm(); });
@@ -147,13 +147,13 @@ TEST_F(KeptModelTest, WithSupportsAndATractionItIsReadAsItWasBuilt) {
   EXPECT_TRUE(read.was_there);
   EXPECT_EQ(read.rest, built.rest);
   EXPECT_EQ(arrays_of(read.model).count("SupportStiffness"), 1U);
-  const Scene scene = StateSpaceFile::open_read_only(path_).read_scene();
-  EXPECT_EQ(hash(scene), hash(block_.scene));
-  EXPECT_EQ(scene.settled.u, built.rest);
+  const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+  EXPECT_EQ(hash(file.read_scene()), hash(block_.scene));
+  EXPECT_EQ(file.read_rest().u, built.rest);
 }
 
 TEST_F(KeptModelTest, ABodyThatIsRefusedLeavesNoFile) {
-  block_.scene.applied_pressure.assign(block_.scene.fixed.size(), 100);
+  block_.scene.body.applied_pressure.assign(block_.scene.body.fixed.size(), 100);
   EXPECT_NE(message_of_build().find("AppliedPressure"), std::string::npos) << message_of_build();
   EXPECT_FALSE(fs::exists(path_));
 }
@@ -222,7 +222,7 @@ TEST_F(KeptModelTest, GoesOnAfterKill9) {
 TEST_F(KeptModelTest, TrainingOfAnotherShapeIsNotGoneOnFrom) {
   const KeptModel whole = build({});
   const std::string key = key_of_model(block_.scene, {rheology_}, tools_, options_);
-  const Eigen::Index rows = 3 * Eigen::Index{block_.scene.mesh.num_points()} + 3;
+  const Eigen::Index rows = 3 * Eigen::Index{block_.scene.body.mesh.num_points()} + 3;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Eigen::MatrixXd one_nan = Eigen::MatrixXd::Zero(rows, 3);
   one_nan(1, 1) = nan;
@@ -252,7 +252,7 @@ TEST_F(KeptModelTest, TrainingBeyondAllMeasureIsNotGoneOnFrom) {
   if (world_->rank() == 0) {
     StateSpaceFile file =
         StateSpaceFile::create(path_, block_.scene, options_.equilibrium.tolerance);
-    const Eigen::Index rows = 3 * Eigen::Index{block_.scene.mesh.num_points()} + 3;
+    const Eigen::Index rows = 3 * Eigen::Index{block_.scene.body.mesh.num_points()} + 3;
     file.reduced_models().add_training(key, "OneTool0", Eigen::MatrixXd::Constant(rows, 3, 1e308));
     file.reduced_models().add_training(key, "OneTool1", Eigen::MatrixXd::Constant(rows, 3, 1e9));
     file.close();
@@ -327,7 +327,7 @@ TEST_F(KeptModelTest, AnotherSceneOrFileIsRefusedOnEveryRank) {
   remove();
   if (world_->rank() == 0) {
     Scene other = block_.scene;
-    other.mesh.points[0] *= 1.001;
+    other.body.mesh.points[0] *= 1.001;
     StateSpaceFile::create(path_, other, options_.equilibrium.tolerance).close();
   }
   (void)any(*world_, false);
@@ -376,7 +376,7 @@ TEST_F(KeptModelTest, IsReadFromAFileThatCannotBeWritten) {
   EXPECT_TRUE(read.not_kept.empty()) << read.not_kept;
   // The places are trained: a tool that moves attaches.
   tools_.nodes = {nearest_point({0.09, 0.06, 0.05})};
-  tools_.patches = {BondedPatches(block_.scene, 0.016).around(tools_.nodes[0])};
+  tools_.patches = {BondedPatches(block_.scene.body, 0.016).around(tools_.nodes[0])};
   const KeptModel moved = build(path_);
   EXPECT_NE(moved.not_kept.find("cannot be written"), std::string::npos) << moved.not_kept;
   expect_same(build({}), moved);
@@ -405,7 +405,7 @@ TEST_F(KeptModelTest, PlacesServeToolsThatMove) {
   const KeptModel read = build(path_);
   expect_same(read, first);
   tools_.nodes = {nearest_point({0.09, 0.06, 0.05})};
-  tools_.patches = {BondedPatches(block_.scene, 0.016).around(tools_.nodes[0])};
+  tools_.patches = {BondedPatches(block_.scene.body, 0.016).around(tools_.nodes[0])};
   std::vector<std::string> reports;
   options_.report = [&](const std::string& what) { reports.push_back(what); };
   const KeptModel moved = build(path_);
@@ -437,7 +437,7 @@ TEST_F(KeptModelTest, PlacesUnderGravityAreKeptWithTheirRest) {
   EXPECT_NE(places_key(), without);
   (void)build(path_);
   tools_.nodes = {nearest_point({0.09, 0.06, 0.05})};
-  tools_.patches = {BondedPatches(block_.scene, 0.016).around(tools_.nodes[0])};
+  tools_.patches = {BondedPatches(block_.scene.body, 0.016).around(tools_.nodes[0])};
   const KeptModel moved = build(path_);
   EXPECT_TRUE(moved.were_places_there);
   const KeptModel in_memory = build({});
@@ -527,7 +527,7 @@ TEST_F(KeptModelTest, PlacesSayWhatIsWrongWithThem) {
   if (world_->rank() == 0) {
     fs::remove(path_);
     Scene other = block_.scene;
-    other.mesh.points[0] *= 1.001;
+    other.body.mesh.points[0] *= 1.001;
     StateSpaceFile::create(path_, other, options_.equilibrium.tolerance).close();
   }
   (void)any(*world_, false);
@@ -569,7 +569,7 @@ TEST_F(KeptModelTest, ItsKeyIsThatOfAllItFollowsFrom) {
     EXPECT_NE(key_of_model(block_.scene, changed, tools_, options_), before) << rheology_names()[i];
   }
   EXPECT_EQ(key(), before);
-  tools_.patches = {BondedPatches(block_.scene, 0).around(block_.corner)};
+  tools_.patches = {BondedPatches(block_.scene.body, 0).around(block_.corner)};
   EXPECT_NE(key(), before);
 
   attach_between_places();
@@ -586,13 +586,13 @@ TEST_F(KeptModelTest, ItsKeyIsThatOfAllItFollowsFrom) {
 
 TEST_F(KeptModelTest, ItsKeyTellsWhichCellHasWhichRheology) {
   Scene scene = block_.scene;
-  scene.materials = {scene.materials[0], scene.materials[0]};
+  scene.organ.materials = {scene.organ.materials[0], scene.organ.materials[0]};
   Rheology dense = rheology_;
   dense.density *= 2;
   const auto key = [&](Index num_dense, bool listed_first) {
-    scene.material_of_cell.assign(static_cast<std::size_t>(scene.mesh.num_cells()),
-                                  listed_first ? 1 : 0);
-    std::fill_n(scene.material_of_cell.begin(), num_dense, listed_first ? 0 : 1);
+    scene.body.material_of_cell.assign(static_cast<std::size_t>(scene.body.mesh.num_cells()),
+                                       listed_first ? 1 : 0);
+    std::fill_n(scene.body.material_of_cell.begin(), num_dense, listed_first ? 0 : 1);
     return key_of_model(
         scene, listed_first ? std::vector{dense, rheology_} : std::vector{rheology_, dense}, tools_,
         options_);

@@ -31,7 +31,7 @@ class ToolPlaces : public ::testing::Test {
  protected:
   ToolPlaces()
       : block_(test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {4, 2, 2}})),
-        patches_(block_.scene, 0.016) {
+        patches_(block_.scene.body, 0.016) {
     options_.reach = kReach;
     options_.modes = 40;
     options_.training_paths = 2;
@@ -41,10 +41,10 @@ class ToolPlaces : public ::testing::Test {
 
   /// The node on the surface that is nearest to a place.
   [[nodiscard]] BondedPatch near(const Vec3& place) const {
-    const std::vector<char> on_surface = boundary_points(block_.scene.mesh);
-    const std::vector<Vec3>& points = block_.scene.mesh.points;
+    const std::vector<char> on_surface = boundary_points(block_.scene.body.mesh);
+    const std::vector<Vec3>& points = block_.scene.body.mesh.points;
     Index nearest = -1;
-    for (Index p = 0; p < block_.scene.mesh.num_points(); ++p) {
+    for (Index p = 0; p < block_.scene.body.mesh.num_points(); ++p) {
       if (on_surface[p] == 0) continue;
       if (nearest < 0 || (points[p] - place).norm() < (points[nearest] - place).norm()) nearest = p;
     }
@@ -68,7 +68,7 @@ class ToolPlaces : public ::testing::Test {
     const Eigen::Index d = placed.model.num_tool_coordinates;
     EXPECT_LT((placed.basis.rightCols(d) - rest.v).norm(), 1e-8 * rest.v.norm());
     EXPECT_LT((placed.model.tool_stiffness - rest.stiffness).norm(), 1e-8 * rest.stiffness.norm());
-    const std::optional<PointMatrix> springs = springs_of(block_.scene, solver.assembly());
+    const std::optional<PointMatrix> springs = springs_of(block_.scene.body, solver.assembly());
     const Eigen::MatrixXd product =
         placed.basis.transpose() *
         RestStiffness(solver.assembly(), placed.rest, springs ? &*springs : nullptr)
@@ -261,8 +261,9 @@ TEST_F(ToolPlaces, SayWhatIsWrongWithTheirInput) {
   EXPECT_NE(attach({}).find("No tool"), std::string::npos);
   EXPECT_NE(attach({between()[0], places()[0][0]}).find("1 tools each, and 2"), std::string::npos);
   EXPECT_NE(attach({BondedPatch({1 << 20})}).find("point 1048576"), std::string::npos);
-  const auto is_fixed = std::find(block_.scene.fixed.begin(), block_.scene.fixed.end(), 1);
-  const auto fixed = static_cast<Index>(is_fixed - block_.scene.fixed.begin());
+  const auto is_fixed =
+      std::find(block_.scene.body.fixed.begin(), block_.scene.body.fixed.end(), 1);
+  const auto fixed = static_cast<Index>(is_fixed - block_.scene.body.fixed.begin());
   EXPECT_NE(attach({BondedPatch({fixed})}).find("is fixed"), std::string::npos);
   const Index corner = block_.corner;
   EXPECT_NE(attach({BondedPatch({corner, corner})}).find("Two tools"), std::string::npos);
@@ -280,22 +281,22 @@ TEST_F(ToolPlaces, SayWhatIsWrongWithTheirInput) {
 TEST_F(ToolPlaces, RefuseAPartOfTheBodyThatHasNone) {
   const std::vector<Rheology> rheologies = {Rheology()};
   Scene both = block_.scene;
-  const Index num_points = both.mesh.num_points();
-  const TetMesh one = both.mesh;
-  for (const Vec3& point : one.points) both.mesh.points.push_back(point + Vec3(0, 1, 0));
-  for (const Index point : one.cells) both.mesh.cells.push_back(point + num_points);
+  const Index num_points = both.body.mesh.num_points();
+  const TetMesh one = both.body.mesh;
+  for (const Vec3& point : one.points) both.body.mesh.points.push_back(point + Vec3(0, 1, 0));
+  for (const Index point : one.cells) both.body.mesh.cells.push_back(point + num_points);
   const auto twice = [](auto& values) {
     const auto once = values;
     values.insert(values.end(), once.begin(), once.end());
   };
-  twice(both.fixed);
-  twice(both.touchable);
-  twice(both.material_of_cell);
+  twice(both.body.fixed);
+  twice(both.body.touchable);
+  twice(both.body.material_of_cell);
   check(both);
   const TrainedPlaces trained = train_places(both, rheologies, places(), options_);
   const PlacedTools placed(both, rheologies, trained);
   const std::vector<BondedPatch> there = {
-      BondedPatches(both, 0.016).around(block_.corner + num_points)};
+      BondedPatches(both.body, 0.016).around(block_.corner + num_points)};
   EXPECT_NE(test::message_of([&] {
               (void)placed.attach(there, options_);
             }).find("no place of training and is joined to none"),

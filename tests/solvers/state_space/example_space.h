@@ -49,15 +49,16 @@ inline TetMesh cube_mesh(int n, ElementOrder order) {
 
 inline Scene cube_scene(int n = 2, ElementOrder order = ElementOrder::quadratic) {
   Scene scene;
-  scene.mesh = cube_mesh(n, order);
+  scene.body.mesh = cube_mesh(n, order);
   // One of them has pressures.
-  scene.materials = {
+  scene.organ.materials = {
       with_formulation(make_isotropic(Law::st_venant_kirchhoff, 2000, 0.4), Formulation::mixed),
       make_isotropic(Law::neo_hookean, 1000, 0.3)};
-  for (Index c = 0; c < scene.mesh.num_cells(); ++c) scene.material_of_cell.push_back(c % 2);
-  for (const Vec3& p : scene.mesh.points) {
-    scene.fixed.push_back(p.z() == 0 ? 1 : 0);
-    scene.touchable.push_back(p.z() == 0.1 ? 1 : 0);
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c)
+    scene.body.material_of_cell.push_back(c % 2);
+  for (const Vec3& p : scene.body.mesh.points) {
+    scene.body.fixed.push_back(p.z() == 0 ? 1 : 0);
+    scene.body.touchable.push_back(p.z() == 0.1 ? 1 : 0);
   }
   check(scene);
   return scene;
@@ -88,12 +89,12 @@ inline Configuration example_configuration(const Scene& scene, const ToolSpaceSe
   c.minimum_det_f = 1 - c.t.norm();
   c.iterations = 4;
   c.seconds = 0.0225;
-  const Vec3& centre = scene.mesh.points[setup.interaction.active_node];
-  const Index n = scene.mesh.num_points();
+  const Vec3& centre = scene.body.mesh.points[setup.interaction.active_node];
+  const Index n = scene.body.mesh.num_points();
   c.u.resize(3 * n);
   c.v.resize(3 * n, 3);
   for (Index p = 0; p < n; ++p) {
-    const Vec3& x = scene.mesh.points[p];
+    const Vec3& x = scene.body.mesh.points[p];
     // u = w(t) t + 40 z (t·t) d with w = z/0.1 exp(−(|x − c|² + 0.02 d·t)/0.003), d = x − c.
     const Vec3 d = x - centre;
     const double w = x.z() / 0.1 * std::exp(-(d.squaredNorm() + 0.02 * d.dot(c.t)) / 0.003);
@@ -150,8 +151,7 @@ void for_each_check_point(const ToolSpaceSetup& setup, F&& f) {
 
 inline StateSpace example_space(const Scene& scene, const std::vector<ToolSpaceSetup>& setups) {
   StateSpace space;
-  space.scene = scene;
-  space.scene_hash = hash(scene);
+  space.bodies = {make_space_body(scene)};
   space.solver_tolerance = 1e-8;
   for (const ToolSpaceSetup& setup : setups) {
     ToolSpace& added = space.tool_spaces.emplace_back();

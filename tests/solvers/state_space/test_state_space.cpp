@@ -34,9 +34,9 @@ TEST(StateSpace, SortsAndFinds) {
   space.tool_spaces[0].configurations = {at({1, 0, 0}), at({0, 0, 0}, 1), at({-1, 2, 0}),
                                          at({0, 0, 0})};
   sort(space);
-  EXPECT_EQ(space.find(3), space.tool_spaces.data());
-  EXPECT_EQ(space.find(5), nullptr);
-  const ToolSpace* tool_space = space.find(7);
+  EXPECT_EQ(space.find({3}), space.tool_spaces.data());
+  EXPECT_EQ(space.find({5}), nullptr);
+  const ToolSpace* tool_space = space.find({7});
   ASSERT_NE(tool_space, nullptr);
   EXPECT_TRUE(std::is_sorted(tool_space->configurations.begin(), tool_space->configurations.end()));
   EXPECT_EQ(tool_space->find({-1, 2, 0}), &tool_space->configurations[0]);

@@ -15,7 +15,7 @@ using test::cube_scene;
 TEST(TouchSpace, AToolThatTouchesNothingInTheBodyHasGoneThroughItsSurface) {
   const Scene scene = cube_scene(3);
   Eigen::AlignedBox3d body;
-  for (const Vec3& p : scene.mesh.points) body.extend(p);
+  for (const Vec3& p : scene.body.mesh.points) body.extend(p);
   const Vec3 middle = body.center();
   const double half = 0.5 * body.sizes().x();
   RigidTool tool;
@@ -37,7 +37,7 @@ TEST(TouchSpace, AToolThatTouchesNothingInTheBodyHasGoneThroughItsSurface) {
     found.t = middle;
     found.force = -Vec3::UnitZ();
     space.configurations.push_back(found);
-    add_clearance(scene, space);
+    add_clearance(scene.body, {}, space);
     EXPECT_EQ(space.configurations[0].outcome, Outcome::tool_inside);
     EXPECT_EQ(space.configurations[1].outcome, Outcome::tool_inside);
     EXPECT_EQ(space.configurations[2].outcome, Outcome::converged);

@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "fields/packed_basis.h"
 #include "solvers/state_space/example_space.h"
+#include "state_space/shown_surface.h"
 #include "storage/field_cache.h"
 #include "storage/rows.h"
 #include "storage/sqlite.h"
@@ -31,6 +32,20 @@ constexpr double kTolerance = 1e-8;
 /// A point of the surface of both meshes.
 constexpr Index kNode = 8;
 constexpr char kModel[] = "0123456789abcdef";
+
+/// What a file has of one body.
+struct OfBody {
+  SpaceBody body;
+  std::vector<ToolSpace> tool_spaces;
+};
+OfBody read_body(const StateSpaceFile& file, BodyId number) {
+  StateSpace space = file.read(true);
+  OfBody read{space.body(number), {}};
+  for (ToolSpace& tool_space : space.tool_spaces) {
+    if (tool_space.setup.body == number) read.tool_spaces.push_back(std::move(tool_space));
+  }
+  return read;
+}
 
 /// A body with a tool space, whose numbers no other has.
 struct Example {
@@ -85,10 +100,10 @@ struct Example {
     SCOPED_TRACE(body);
     EXPECT_EQ(file.scene_hash(body), hash(scene));
     EXPECT_EQ(file.find_body(hash(scene)), body);
-    const StateSpace space = file.read(true, body);
-    EXPECT_EQ(hash(space.scene), hash(scene));
-    EXPECT_EQ(space.scene_hash, hash(scene));
-    EXPECT_EQ(space.scene.touchable, scene.touchable);
+    const OfBody space = read_body(file, body);
+    EXPECT_EQ(hash(*space.body.scene), hash(scene));
+    EXPECT_EQ(space.body.hash, hash(scene));
+    EXPECT_EQ(space.body.scene->body.touchable, scene.body.touchable);
     ASSERT_EQ(space.tool_spaces.size(), 1U);
     const ToolSpace& read = space.tool_spaces[0];
     EXPECT_EQ(read.setup, setup);
@@ -110,7 +125,7 @@ struct Example {
     ASSERT_EQ(points.size(), 1U);
     EXPECT_EQ(points[0].energy, test_point().energy);
     EXPECT_EQ(file.list_whole(key()).size(), 3U);
-    EXPECT_EQ(file.list_whole(key())[0].body, body);
+    EXPECT_EQ(file.list_whole(key())[0].tool_space, key());
   }
 };
 
@@ -147,7 +162,7 @@ class BodiesTest : public testing::Test {
 };
 
 TEST_F(BodiesTest, LieBesideEachOther) {
-  ASSERT_NE(coarse_.scene.mesh.num_points(), fine_.scene.mesh.num_points());
+  ASSERT_NE(coarse_.scene.body.mesh.num_points(), fine_.scene.body.mesh.num_points());
   make();
   const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
   EXPECT_EQ(file.list_bodies(), (std::vector<BodyId>{kFirstBody, 2}));
@@ -158,7 +173,7 @@ TEST_F(BodiesTest, LieBesideEachOther) {
   EXPECT_TRUE(file.left_out().empty());
   EXPECT_FALSE(file.find_body("another").has_value());
   EXPECT_THROW((void)file.read_scene(3), InputError);
-  EXPECT_THROW((void)file.read(false, 3), InputError);
+  EXPECT_THROW((void)file.read(false).body(3), InputError);
 }
 
 TEST_F(BodiesTest, ChecksumsTakeInTheNumberOfAllBodiesButTheFirst) {
@@ -167,7 +182,7 @@ TEST_F(BodiesTest, ChecksumsTakeInTheNumberOfAllBodiesButTheFirst) {
   EXPECT_NE(rows::checksum(first, coarse_.configuration(1), 7),
             rows::checksum(second, coarse_.configuration(1), 7));
   EXPECT_EQ(rows::checksum(first, coarse_.configuration(1), 7),
-            rows::checksum(kNode, coarse_.configuration(1), 7));
+            rows::checksum({kNode, kFirstBody}, coarse_.configuration(1), 7));
 }
 
 TEST_F(BodiesTest, ABodyIsAddedOnceAndOnlyOfTheSameOrgan) {
@@ -176,8 +191,12 @@ TEST_F(BodiesTest, ABodyIsAddedOnceAndOnlyOfTheSameOrgan) {
   EXPECT_EQ(file.add_body(coarse_.scene), kFirstBody);
   EXPECT_EQ(file.list_bodies().size(), 2U);
   Scene supported = cube_scene(1);
-  supported.support_stiffness.assign(static_cast<std::size_t>(supported.mesh.num_points()), 1e5);
+  supported.body.support_stiffness.assign(
+      static_cast<std::size_t>(supported.body.mesh.num_points()), 1e5);
   EXPECT_THROW((void)file.add_body(supported), InputError);
+  Scene harder = cube_scene(1);
+  harder.organ.materials[0].parameters[0] *= 2;
+  EXPECT_THROW((void)file.add_body(harder), InputError);
   ToolSpaceSetup on_none = fine_.setup;
   on_none.body = 3;
   EXPECT_THROW(file.add_tool_space(on_none), InputError);
@@ -196,14 +215,14 @@ TEST_F(BodiesTest, ARunGoesOnWithEitherScene) {
   make();
   for (const Example* body : {&coarse_, &fine_}) {
     Example later = *body;
-    later.scene.touchable[0] = static_cast<char>(1 - later.scene.touchable[0]);
+    later.scene.body.touchable[0] = static_cast<char>(1 - later.scene.body.touchable[0]);
     StateSpaceFile file = StateSpaceFile::open_to_append(path_, later.scene, kTolerance);
     later.expect_in(file);
     EXPECT_TRUE(file.remove_damaged().empty());
     file.set_complete(body->key(), true);
     file.close();
     StateSpaceFile back = StateSpaceFile::open_to_append(path_, body->scene, kTolerance);
-    EXPECT_TRUE(back.read_tool_spaces(body->body)[0].complete);
+    EXPECT_TRUE(read_body(back, body->body).tool_spaces[0].complete);
     back.set_complete(body->key(), false);
     back.close();
   }
@@ -213,30 +232,48 @@ TEST_F(BodiesTest, ARunGoesOnWithEitherScene) {
   EXPECT_THROW((void)StateSpaceFile::open_to_append(path_, cube_scene(1), kTolerance), InputError);
 }
 
-TEST_F(BodiesTest, ATouchSpaceIsThatOfOneBody) {
+TEST_F(BodiesTest, ATouchSpaceHasTheToolSpacesOfAllOnOneSurface) {
   make();
   const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+  const TouchSpace space = make_touch_space(file);
+  EXPECT_EQ(space.scene_hash, join_hashes({hash(coarse_.scene), hash(fine_.scene)}));
+  EXPECT_EQ(space.surface.num_points(), make_surface(coarse_.scene.body.mesh).num_points());
+  ASSERT_EQ(space.tool_spaces.size(), 2U);
+  EXPECT_EQ(make_touch_space_without_modes(file).tool_spaces[1].setup, fine_.setup);
+  const std::vector<SpaceBody> bodies = file.read_bodies();
+  const ShownSurface shown(bodies);
+  FieldCache fields(path_, space.scene_hash);
   for (const Example* body : {&coarse_, &fine_}) {
-    const TouchSpace space = make_touch_space(file, kDefaultTouchBound, body->body);
-    EXPECT_EQ(space.scene_hash, hash(body->scene));
-    EXPECT_EQ(space.surface.num_points(), make_surface(body->scene.mesh).num_points());
-    ASSERT_EQ(space.tool_spaces.size(), 1U);
-    EXPECT_EQ(space.tool_spaces[0].configurations[2].energy, body->configuration(1).energy);
-    EXPECT_EQ(make_touch_space_without_modes(file, body->body).tool_spaces[0].setup, body->setup);
-    // Its fields are read by its hash.
-    FieldCache fields(path_, hash(body->scene));
-    NodalVector u;
+    SCOPED_TRACE(body->body);
+    const Configuration right = body->configuration(1);
+    const TouchToolSpace* tool_space = space.find(body->key());
+    ASSERT_NE(tool_space, nullptr);
+    ASSERT_EQ(tool_space->configurations[2].energy, right.energy);
+    // The displacement of the body's surface moves the one that is shown.
+    const std::vector<Index>& points = shown.surface_of(body->body).mesh_points;
+    Eigen::MatrixXf u(3 * static_cast<Eigen::Index>(points.size()), 1);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      u.middleRows<3>(3 * static_cast<Eigen::Index>(p)) =
+          right.u.segment<3>(3 * Eigen::Index{points[p]}).cast<float>();
+    }
+    const Eigen::VectorXf by_modes = tool_space->modes * tool_space->coefficients.col(2);
+    const double largest = right.u.lpNorm<Eigen::Infinity>();
+    EXPECT_LT((by_modes - shown.carry(body->body, u)).lpNorm<Eigen::Infinity>(), 1e-2 * largest);
+    NodalVector whole;
     NodalVector p;
-    fields.add_up(body->setup, {{body->configuration(1), 1, Vec3::Zero()}}, Keep::touch, u, p);
-    EXPECT_EQ(u, body->configuration(1).u);
-    EXPECT_EQ(hash(fields.read_scene()), hash(body->scene));
+    fields.add_up(body->setup, {{right, 1, Vec3::Zero()}}, Keep::touch, whole, p);
+    EXPECT_EQ(whole, right.u);
+    EXPECT_EQ(hash(*fields.read_body(body->body).scene), hash(body->scene));
   }
+  // A file that has the bodies in another order is another space.
+  FieldCache other(path_, join_hashes({hash(fine_.scene), hash(coarse_.scene)}));
+  EXPECT_THROW((void)other.read_body(kFirstBody), InputError);
 }
 
 /// The displacements of a body by modes.
 PackedReduction reduced(const Example& body) {
   const std::vector<Index> points =
-      kept_points(body.scene.mesh, make_surface(body.scene.mesh), Keep::touch);
+      kept_points(body.scene.body.mesh, make_surface(body.scene.body.mesh), Keep::touch);
   const auto num_points = static_cast<Eigen::Index>(points.size());
   const double step = body.setup.grid.field_step();
   Snapshots batch(num_points, 0, 3);
@@ -270,7 +307,7 @@ TEST_F(BodiesTest, EachHasBasesOfItsOwn) {
   for (const Example* body : {&coarse_, &fine_}) {
     const auto basis = file.bases().read(body->key(), 0);
     ASSERT_NE(basis, nullptr);
-    EXPECT_EQ(basis->modes.rows(), 3 * make_surface(body->scene.mesh).num_points());
+    EXPECT_EQ(basis->modes.rows(), 3 * make_surface(body->scene.body.mesh).num_points());
     const Configuration right = body->configuration(1);
     Configuration found = right;
     ASSERT_TRUE(file.read_fields(body->key(), found));
@@ -278,7 +315,7 @@ TEST_F(BodiesTest, EachHasBasesOfItsOwn) {
     const Index node = body->setup.interaction.active_node;
     EXPECT_NEAR((found.u - right.u).segment<3>(3 * node).norm(), 0, 1e-3 * right.u.norm());
     EXPECT_EQ(file.keep_of(body->key(), right), Keep::touch);
-    FieldCache fields(path_, hash(body->scene));
+    FieldCache fields(path_, file.scene_hashes());
     NodalVector u;
     NodalVector p;
     fields.add_up(body->setup, {{right, 1, Vec3::Zero()}}, Keep::touch, u, p);
@@ -350,7 +387,7 @@ TEST_F(BodiesTest, AForgedNumberOfABodyIsNoticed) {
       const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
       for (const Example* body : {&coarse_, &fine_}) {
         // What is offered of a body is its own.
-        for (const ToolSpace& space : file.read(true, body->body).tool_spaces) {
+        for (const ToolSpace& space : read_body(file, body->body).tool_spaces) {
           for (const Configuration& c : space.configurations) {
             EXPECT_EQ(c.energy, body->configuration(c.check_point[0]).energy) << sql;
           }
@@ -383,7 +420,7 @@ TEST_F(BodiesTest, BodiesThatAreExchangedAreNotTakenForEachOther) {
   change("UPDATE scene SET scene_id = 2 WHERE scene_id = 3");
   const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
   for (const BodyId body : {kFirstBody, BodyId{2}}) {
-    const StateSpace space = file.read(true, body);
+    const OfBody space = read_body(file, body);
     EXPECT_TRUE(space.tool_spaces.empty() || space.tool_spaces[0].configurations.empty());
   }
   EXPECT_FALSE(file.left_out().empty());
@@ -409,8 +446,8 @@ TEST_F(BodiesTest, DamagedBytesNeverGiveTheStateOfAnotherBody) {
       const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
       std::size_t num_read = 0;
       for (const Example* body : {&coarse_, &fine_}) {
-        const StateSpace space = file.read(true, body->body);
-        ASSERT_EQ(hash(space.scene), hash(body->scene)) << place;
+        const OfBody space = read_body(file, body->body);
+        ASSERT_EQ(hash(*space.body.scene), hash(body->scene)) << place;
         for (const ToolSpace& tool_space : space.tool_spaces) {
           ASSERT_EQ(tool_space.setup, body->setup) << place;
           for (const Configuration& c : tool_space.configurations) {
@@ -448,14 +485,14 @@ TEST_P(OlderFileTest, GetsASecondBody) {
   {
     const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
     before = file.read(true);
-    moved = before.scene;
-    moved.mesh.points.back() *= 1.01;
+    moved = *before.body().scene;
+    moved.body.mesh.points.back() *= 1.01;
   }
   ToolSpaceSetup setup = before.tool_spaces[0].setup;
   setup.body = 2;
   {
     StateSpaceFile file =
-        StateSpaceFile::open_to_append(path_, before.scene, before.solver_tolerance);
+        StateSpaceFile::open_to_append(path_, *before.body().scene, before.solver_tolerance);
     EXPECT_EQ(file.add_body(moved), 2);
     file.add_tool_space(setup);
     Configuration other = before.tool_spaces[0].configurations[0];
@@ -464,7 +501,7 @@ TEST_P(OlderFileTest, GetsASecondBody) {
     file.close();
   }
   const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
-  const StateSpace after = file.read(true);
+  const OfBody after = read_body(file, kFirstBody);
   ASSERT_EQ(after.tool_spaces.size(), before.tool_spaces.size());
   for (std::size_t s = 0; s < after.tool_spaces.size(); ++s) {
     const ToolSpace& a = after.tool_spaces[s];
@@ -476,8 +513,8 @@ TEST_P(OlderFileTest, GetsASecondBody) {
       EXPECT_EQ(a.configurations[c].energy, b.configurations[c].energy);
     }
   }
-  const StateSpace second = file.read(true, 2);
-  EXPECT_EQ(second.scene.mesh.points.back(), moved.mesh.points.back());
+  const OfBody second = read_body(file, 2);
+  EXPECT_EQ(second.body.mesh().points.back(), moved.body.mesh.points.back());
   ASSERT_EQ(second.tool_spaces.size(), 1U);
   ASSERT_EQ(second.tool_spaces[0].configurations.size(), 1U);
   EXPECT_EQ(second.tool_spaces[0].configurations[0].energy, 17);

@@ -78,11 +78,11 @@ class DamageTest : public testing::Test {
     file.add_tool_space(tool_space_);
     for (std::int32_t i = -1; i <= 1; ++i) {
       const Configuration c = configuration({i, 0, 0});
-      file.add(kNode, c, i == 0 ? std::vector<IntermediateState>() : test::example_way(c, 1));
+      file.add({kNode}, c, i == 0 ? std::vector<IntermediateState>() : test::example_way(c, 1));
     }
-    file.add(kNode, LevelTransition{{0, 0, 0}, 0, {1, 0, 0}, 0});
+    file.add({kNode}, LevelTransition{{0, 0, 0}, 0, {1, 0, 0}, 0});
     file.test_points().add(kTestSet, example_test_point());
-    file.set_complete(kNode, true);
+    file.set_complete({kNode}, true);
     file.reduced_models().add(kModel, example_model());
     file.close();
   }
@@ -94,7 +94,7 @@ class DamageTest : public testing::Test {
     const std::int64_t of_fields = rows::checksum(rows::fields_of(configuration(at)));
     same_change(c);
     change("UPDATE configuration SET " + sql +
-           ", summary_checksum = " + std::to_string(rows::checksum(kNode, c, of_fields)) +
+           ", summary_checksum = " + std::to_string(rows::checksum({kNode}, c, of_fields)) +
            " WHERE i = " + std::to_string(at[0]));
   }
   /// The same of the tool space.
@@ -121,7 +121,7 @@ class DamageTest : public testing::Test {
       if (left_out.empty() && (points.empty() || !model)) {
         left_out = StateSpaceFile::open_to_append(path_, scene_, kTolerance).remove_damaged();
       }
-      EXPECT_TRUE(!left_out.empty() || space.scene.touchable == scene_.touchable);
+      EXPECT_TRUE(!left_out.empty() || space.body().scene->body.touchable == scene_.body.touchable);
       EXPECT_TRUE(!left_out.empty() || (space.tool_spaces.size() == 1 && points.size() == 1));
       for (const ToolSpace& tool_space : space.tool_spaces) {
         EXPECT_TRUE(tool_space.setup == tool_space_ && tool_space.complete);
@@ -129,15 +129,15 @@ class DamageTest : public testing::Test {
                                           tool_space.intermediate_states.size() == 2));
         for (const Configuration& c : tool_space.configurations) {
           const Configuration right = configuration(c.check_point);
-          EXPECT_EQ(rows::checksum(kNode, c, rows::checksum(rows::fields_of(c))),
-                    rows::checksum(kNode, right, rows::checksum(rows::fields_of(right))));
+          EXPECT_EQ(rows::checksum({kNode}, c, rows::checksum(rows::fields_of(c))),
+                    rows::checksum({kNode}, right, rows::checksum(rows::fields_of(right))));
           const bool starts = c.check_point == CheckPoint{0, 0, 0};
           EXPECT_TRUE(!starts || !left_out.empty() ||
                       c.reached[neighbour_number({0, 0, 0}, {1, 0, 0})] == 0);
         }
         for (const IntermediateState& state : tool_space.intermediate_states) {
           const auto right = test::example_way(configuration(state.target), 1);
-          EXPECT_EQ(rows::checksum(kNode, state), rows::checksum(kNode, right[0]));
+          EXPECT_EQ(rows::checksum({kNode}, state), rows::checksum({kNode}, right[0]));
         }
       }
       for (const TestPoint& point : points) {
@@ -238,11 +238,11 @@ TEST_F(DamageTest, ConfigurationsWithoutNumbersAreNotTouched) {
     file.add_tool_space(tool_space_);
     Configuration c = configuration({1, 0, 0});
     c.u[3] = std::numeric_limits<double>::quiet_NaN();
-    file.add(kNode, c);
+    file.add({kNode}, c);
     c = configuration({-1, 0, 0});
     c.v.resize(0, 0);
-    file.add(kNode, c);
-    file.add(kNode, configuration({0, 0, 0}));
+    file.add({kNode}, c);
+    file.add({kNode}, configuration({0, 0, 0}));
   }
   const TouchSpace space = make_touch_space(StateSpaceFile::open_read_only(path_));
   EXPECT_EQ(space.tool_spaces[0].configurations.size(), 1U);
@@ -260,7 +260,7 @@ TEST_F(DamageTest, AResumeComputesWhatIsDamagedAgain) {
       (std::vector<std::string>{"configuration (-1, 0, 0) of level 4 of active node 8",
                                 "intermediate state 1 on the way to (1, 0, 0) of active node 8",
                                 "test point 5 of active node 8"}));
-  const std::vector<Configuration> known = file.read_summaries(kNode);
+  const std::vector<Configuration> known = file.read_summaries({kNode});
   ASSERT_EQ(known.size(), 1U) << "without all states on the way to it";
   EXPECT_EQ(known[0].check_point, (CheckPoint{0, 0, 0}));
   EXPECT_EQ(known[0].reached, configuration({0, 0, 0}).reached) << "the other end is missing";
@@ -288,8 +288,8 @@ TEST_F(DamageTest, MergesWhatIsSound) {
   StateSpaceFile file = StateSpaceFile::create(folder_ / "b.palpate", scene_, kTolerance);
   const std::vector<std::string> left_out = file.merge(path_);
   EXPECT_EQ(left_out, std::vector<std::string>{"configuration (1, 0, 0) of active node 8"});
-  EXPECT_EQ(file.read_summaries(kNode).size(), 2U);
-  EXPECT_EQ(file.read_intermediate_states(kNode).size(), 1U);
+  EXPECT_EQ(file.read_summaries({kNode}).size(), 2U);
+  EXPECT_EQ(file.read_intermediate_states({kNode}).size(), 1U);
   EXPECT_EQ(file.test_points().read(kTestSet).size(), 1U);
 }
 
@@ -371,7 +371,7 @@ TEST_F(DamageTest, LeavesOutWhatCannotBe) {
     fs::remove(path_);
     make();
     change("UPDATE transition SET " + sql +
-           ", checksum = " + std::to_string(rows::checksum(kNode, forged)));
+           ", checksum = " + std::to_string(rows::checksum({kNode}, forged)));
     EXPECT_EQ(left_out(), std::vector<std::string>{rows::describe(forged, "active node 8")}) << sql;
   }
 
@@ -451,8 +451,8 @@ class OlderVersionTest : public DamageTest, public testing::WithParamInterface<i
   }
   void expect_whole(const StateSpaceFile& file) const {
     const StateSpace space = file.read(true);
-    EXPECT_EQ(hash(space.scene), hash(small_scene_));
-    EXPECT_EQ(space.scene.touchable, small_scene_.touchable);
+    EXPECT_EQ(hash(*space.body().scene), hash(small_scene_));
+    EXPECT_EQ(space.body().scene->body.touchable, small_scene_.body.touchable);
     ASSERT_EQ(space.tool_spaces.size(), 2U);
     const ToolSpace& levels = space.tool_spaces[0];
     EXPECT_EQ(levels.setup.policy.history, History::automatic);
@@ -460,7 +460,7 @@ class OlderVersionTest : public DamageTest, public testing::WithParamInterface<i
     ASSERT_EQ(levels.configurations.size(), 10U);
     EXPECT_EQ(levels.find({0, 0, 0})->reached[neighbour_number({0, 0, 0}, {1, 0, 0})], 1);
     EXPECT_EQ(levels.find({1, 0, 0}, 1)->signature, Vec3(1, 2, 3));
-    EXPECT_EQ(file.read_candidates(3).size(), 1U);
+    EXPECT_EQ(file.read_candidates({3}).size(), 1U);
     const ToolSpace& plain = space.tool_spaces[1];
     EXPECT_TRUE(plain.complete);
     EXPECT_EQ(plain.setup.policy.intermediate_states, 2);
@@ -472,7 +472,7 @@ class OlderVersionTest : public DamageTest, public testing::WithParamInterface<i
     for (const ToolSpace& tool_space : space.tool_spaces) {
       const InteractionSpec& interaction = tool_space.setup.interaction;
       EXPECT_EQ(interaction.active_node, tool_space.setup.id);
-      EXPECT_EQ(interaction.material_point, small_scene_.mesh.points[interaction.active_node]);
+      EXPECT_EQ(interaction.material_point, small_scene_.body.mesh.points[interaction.active_node]);
       for (const Configuration& c : tool_space.configurations) {
         const Configuration right =
             example_configuration(small_scene_, tool_space.setup, c.check_point);
@@ -504,12 +504,12 @@ class VersionWithAModeARow : public DamageTest {
     int num_read = 0;
     for (const ToolSpace& space : file.read_tool_spaces()) {
       const InteractionSpec& tool = space.setup.interaction;
-      const auto bases = file.bases().list(space.setup.id);
+      const auto bases = file.bases().list({space.setup.id});
       ASSERT_EQ(bases.size(), 1U);
-      const auto basis = file.bases().read(space.setup.id, bases.front().number);
+      const auto basis = file.bases().read({space.setup.id}, bases.front().number);
       ASSERT_NE(basis, nullptr);
-      for (Configuration c : file.read_summaries(space.setup.id)) {
-        ASSERT_TRUE(file.read_fields(space.setup.id, c));
+      for (Configuration c : file.read_summaries({space.setup.id})) {
+        ASSERT_TRUE(file.read_fields({space.setup.id}, c));
         EXPECT_LE((c.u.segment<3>(3 * tool.active_node) - c.t).norm(), basis->displacement_error);
         ++num_read;
       }
@@ -552,8 +552,8 @@ TEST_F(VersionWithAModeARow, ABasisThatIsDamagedGoesWithWhatNeedsIt) {
   EXPECT_EQ(file.remove_damaged().size(), 27U);
   EXPECT_TRUE(file.left_out().empty());
   const std::vector<ToolSpace> spaces = file.read_tool_spaces();
-  EXPECT_TRUE(file.read_summaries(spaces[0].setup.id).empty());
-  EXPECT_EQ(file.read_summaries(spaces[1].setup.id).size(), 27U);
+  EXPECT_TRUE(file.read_summaries({spaces[0].setup.id}).empty());
+  EXPECT_EQ(file.read_summaries({spaces[1].setup.id}).size(), 27U);
 }
 
 TEST_F(VersionWithAModeARow, ABasisThatIsDamagedTakesNoOtherWithIt) {
@@ -573,8 +573,8 @@ TEST_F(VersionWithAModeARow, ABasisThatIsDamagedTakesNoOtherWithIt) {
   const std::vector<ToolSpace> spaces = file.read_tool_spaces();
   ASSERT_EQ(spaces.size(), 2U);
   int num_read = 0;
-  for (Configuration c : file.read_summaries(spaces[1].setup.id)) {
-    num_read += file.read_fields(spaces[1].setup.id, c) ? 1 : 0;
+  for (Configuration c : file.read_summaries({spaces[1].setup.id})) {
+    num_read += file.read_fields({spaces[1].setup.id}, c) ? 1 : 0;
   }
   EXPECT_EQ(num_read, 27);
 }
@@ -587,7 +587,7 @@ TEST_P(OlderVersionTest, AToolSpaceThatIsDamagedTakesNoOtherWithIt) {
   const std::vector<ToolSpace> spaces = file.read_tool_spaces();
   ASSERT_EQ(spaces.size(), 1U);
   EXPECT_EQ(spaces[0].setup.id, 5);
-  EXPECT_EQ(file.read_summaries(5).size(), 3U);
+  EXPECT_EQ(file.read_summaries({5}).size(), 3U);
 }
 
 TEST_P(OlderVersionTest, IsRead) {
@@ -608,7 +608,7 @@ TEST_P(OlderVersionTest, IsResumed) {
   expect_whole(StateSpaceFile::open_read_only(path_));
   StateSpaceFile file = StateSpaceFile::open_to_append(path_, small_scene_, kTolerance);
   ToolSpaceSetup tool_space = file.read_tool_spaces()[0].setup;
-  file.add(tool_space.interaction.active_node,
+  file.add({tool_space.interaction.active_node},
            example_configuration(small_scene_, tool_space, {0, 0, 1}));
   tool_space.policy.force_limit = 0.1;
   file.add_tool_space(tool_space);
@@ -620,8 +620,8 @@ TEST_P(OlderVersionTest, IsMerged) {
   StateSpaceFile file = StateSpaceFile::create(folder_ / "b.palpate", small_scene_, kTolerance);
   EXPECT_TRUE(file.merge(path_).empty());
   EXPECT_EQ(file.read(true).tool_spaces[0].configurations.size(), 10U);
-  EXPECT_EQ(file.read_candidates(3).size(), 1U);
-  EXPECT_EQ(file.read_intermediate_states(5).size(), 4U);
+  EXPECT_EQ(file.read_candidates({3}).size(), 1U);
+  EXPECT_EQ(file.read_intermediate_states({5}).size(), 4U);
   EXPECT_TRUE(file.left_out().empty());
 }
 

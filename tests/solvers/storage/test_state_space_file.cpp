@@ -128,7 +128,7 @@ class StateSpaceFileTest : public testing::Test {
     StateSpaceFile file = StateSpaceFile::create(path, scene_, kTolerance);
     file.add_tool_space(tool_space);
     for_each_check_point(tool_space, [&](const CheckPoint& c) {
-      file.add(tool_space.interaction.active_node, example_configuration(scene_, tool_space, c));
+      file.add({tool_space.interaction.active_node}, example_configuration(scene_, tool_space, c));
     });
     file.close();
   }
@@ -153,8 +153,8 @@ class StateSpaceFileTest : public testing::Test {
 
 TEST_F(StateSpaceFileTest, ABasisIsLargerThanAllFieldsOfTheBody) {
   scene_ = test::cube_scene(6);
-  const auto num_kept =
-      static_cast<Index>(kept_points(scene_.mesh, make_surface(scene_.mesh), Keep::touch).size());
+  const auto num_kept = static_cast<Index>(
+      kept_points(scene_.body.mesh, make_surface(scene_.body.mesh), Keep::touch).size());
   const ToolSpaceId tool_space = tool_space_.interaction.active_node;
   FieldBasis basis;
   basis.keep = Keep::touch;
@@ -164,19 +164,20 @@ TEST_F(StateSpaceFileTest, ABasisIsLargerThanAllFieldsOfTheBody) {
   std::normal_distribution<float> normal;
   basis.modes = Eigen::MatrixXf::NullaryExpr(3 * num_kept, 200, [&] { return normal(random); });
   basis.steps.setZero(200);
-  ASSERT_GT(basis.modes.size() * sizeof(float), 3 * 12 * sizeof(double) * scene_.mesh.num_points());
+  ASSERT_GT(basis.modes.size() * sizeof(float),
+            3 * 12 * sizeof(double) * scene_.body.mesh.num_points());
   const auto expect_it_there = [&](const StateSpaceFile& file) {
-    const auto back = file.bases().read(tool_space, 0);
+    const auto back = file.bases().read({tool_space}, 0);
     ASSERT_NE(back, nullptr);
     EXPECT_EQ(back->modes, basis.modes);
     EXPECT_TRUE(file.left_out().empty());
   };
   {
     StateSpaceFile file = create();
-    file.bases().add(tool_space, 0, pack(basis));
+    file.bases().add({tool_space}, 0, pack(basis));
     file.shrink();
     expect_it_there(file);
-    const std::weak_ptr<const FieldBasis> in_memory = file.bases().read(tool_space, 0);
+    const std::weak_ptr<const FieldBasis> in_memory = file.bases().read({tool_space}, 0);
     EXPECT_FALSE(in_memory.expired());
     file.bases().forget();
     EXPECT_TRUE(in_memory.expired());
@@ -185,11 +186,11 @@ TEST_F(StateSpaceFileTest, ABasisIsLargerThanAllFieldsOfTheBody) {
   {
     StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
     // Something goes, so that there is something to shrink.
-    file.bases().add(tool_space, 1, pack(basis));
+    file.bases().add({tool_space}, 1, pack(basis));
     FieldBasis small = basis;
     small.modes = basis.modes.leftCols(1);
     small.steps = basis.steps.head(1);
-    file.bases().add(tool_space, 1, pack(small));
+    file.bases().add({tool_space}, 1, pack(small));
     file.shrink();
   }
   expect_it_there(StateSpaceFile::open_read_only(path_));
@@ -219,21 +220,21 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   {
     StateSpaceFile file = create();
     for (const Configuration& c : {other_level, failed, rest, odd}) {
-      file.add(tool_space_.interaction.active_node, c);
+      file.add({tool_space_.interaction.active_node}, c);
     }
-    file.set_complete(tool_space_.interaction.active_node, true);
+    file.set_complete({tool_space_.interaction.active_node}, true);
     file.close();
   }
   EXPECT_EQ(files().size(), 1U) << "something is left beside the file";
 
   const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
   const StateSpace space = file.read(true);
-  EXPECT_EQ(space.scene_hash, hash(scene_));
-  EXPECT_EQ(hash(space.scene), hash(scene_));
-  EXPECT_EQ(space.scene.touchable, scene_.touchable);
-  EXPECT_EQ(space.scene.fixed, scene_.fixed);
-  EXPECT_EQ(space.scene.materials, scene_.materials);
-  EXPECT_EQ(space.scene.mesh.points, scene_.mesh.points);
+  EXPECT_EQ(space.body().hash, hash(scene_));
+  EXPECT_EQ(hash(*space.body().scene), hash(scene_));
+  EXPECT_EQ(space.body().scene->body.touchable, scene_.body.touchable);
+  EXPECT_EQ(space.body().scene->body.fixed, scene_.body.fixed);
+  EXPECT_EQ(space.body().scene->organ.materials, scene_.organ.materials);
+  EXPECT_EQ(space.body().scene->body.mesh.points, scene_.body.mesh.points);
   EXPECT_EQ(space.solver_tolerance, kTolerance);
   ASSERT_EQ(space.tool_spaces.size(), 1U);
   EXPECT_TRUE(space.tool_spaces[0].complete);
@@ -255,7 +256,7 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   EXPECT_EQ(read[3].v.size(), 0);
 
   const std::vector<Configuration> summaries =
-      file.read_summaries(tool_space_.interaction.active_node);
+      file.read_summaries({tool_space_.interaction.active_node});
   ASSERT_EQ(summaries.size(), 4U);
   expect_same_summary(summaries[0], odd);
   EXPECT_EQ(summaries[0].u.size(), 0);
@@ -289,8 +290,8 @@ TEST_F(StateSpaceFileTest, KeepsTheSpaceOfARigidTool) {
   {
     StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
     file.add_tool_space(setup);
-    file.add(setup.id, touching);
-    file.add(setup.id, free);
+    file.add(setup.key(), touching);
+    file.add(setup.key(), free);
     file.close();
   }
   const auto expect_there = [&](const StateSpaceFile& file) {
@@ -355,7 +356,7 @@ TEST_F(StateSpaceFileTest, KeepsAToolWhoseSurfaceIsFinerThanTheBody) {
   {
     StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
     file.add_tool_space(setup);
-    file.set_complete(setup.id, true);
+    file.set_complete(setup.key(), true);
     file.close();
   }
   {
@@ -410,8 +411,8 @@ TEST_F(StateSpaceFileTest, ASiteMayGrow) {
   Configuration c = example_configuration(scene_, tool_space, {1, 0, 0});
   c.flags = flags::inverted;
   c.force = Vec3(3, 4, 0);
-  file.add(26, c);
-  file.set_complete(26, true);
+  file.add({26}, c);
+  file.set_complete({26}, true);
   const auto read = [&] { return file.read_tool_spaces().back(); };
 
   file.add_tool_space(tool_space);
@@ -420,13 +421,13 @@ TEST_F(StateSpaceFileTest, ASiteMayGrow) {
   file.add_tool_space(tool_space);
   EXPECT_FALSE(read().complete);
   EXPECT_EQ(read().setup, tool_space);
-  EXPECT_EQ(file.read_summaries(26).front().flags, flags::inverted | flags::beyond_force_limit);
+  EXPECT_EQ(file.read_summaries({26}).front().flags, flags::inverted | flags::beyond_force_limit);
   tool_space.policy.force_limit = 5.1;
   tool_space.grid.resolution = 9;
   tool_space.grid.half_width = 0.04;
   file.add_tool_space(tool_space);
   EXPECT_EQ(read().setup, tool_space);
-  EXPECT_EQ(file.read_summaries(26).front().flags, flags::inverted);
+  EXPECT_EQ(file.read_summaries({26}).front().flags, flags::inverted);
 
   const ToolSpaceSetup smaller = example_setup(26, 5);
   EXPECT_NE(message_of<InputError>([&] { file.add_tool_space(smaller); }), "");
@@ -452,15 +453,15 @@ TEST_F(StateSpaceFileTest, KeepsIntermediateStatesWithTheirConfiguration) {
   const fs::path rank = folder_ / "rank";
   {
     StateSpaceFile file = create();
-    EXPECT_THROW(file.add(26, first, way), InputError);
-    EXPECT_TRUE(file.read_intermediate_states(26).empty()) << "without their configuration";
+    EXPECT_THROW(file.add({26}, first, way), InputError);
+    EXPECT_TRUE(file.read_intermediate_states({26}).empty()) << "without their configuration";
     file.add_tool_space(tool_space);
-    file.add(26, first, way);
+    file.add({26}, first, way);
     file.close();
     StateSpaceFile of_rank = StateSpaceFile::create(rank, scene_, kTolerance);
     of_rank.add_tool_space(tool_space);
-    of_rank.add(26, second, other_way);
-    of_rank.add(26, first, way);
+    of_rank.add({26}, second, other_way);
+    of_rank.add({26}, first, way);
     of_rank.close();
   }
   StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
@@ -487,7 +488,7 @@ TEST_F(StateSpaceFileTest, KeepsIntermediateStatesWithTheirConfiguration) {
   // The force limit marks them as it does configurations.
   tool_space.policy.force_limit = 0.5;
   file.add_tool_space(tool_space);
-  for (const IntermediateState& state : file.read_intermediate_states(26)) {
+  for (const IntermediateState& state : file.read_intermediate_states({26})) {
     EXPECT_EQ((state.flags & flags::beyond_force_limit) != 0, state.force.norm() > 0.5);
   }
 
@@ -574,12 +575,12 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
         c.third_derivative = example_third_derivative(c.t);
         const std::vector<IntermediateState> way = example_way(c, kStates);
         states.insert(states.end(), way.begin(), way.end());
-        file.add(tool_space_.interaction.active_node, c, way);
+        file.add({tool_space_.interaction.active_node}, c, way);
         Configuration& kept = written.emplace(c.check_point, c).first->second;
         if (i == 1) continue;
         const CheckPoint next{i + 1, j, 0};
         const std::int32_t reached = j == 0 ? failed_to_reach : 0;
-        file.add(tool_space_.interaction.active_node,
+        file.add({tool_space_.interaction.active_node},
                  LevelTransition{c.check_point, 0, next, reached});
         kept.reached[neighbour_number(c.check_point, next)] = reached;
       }
@@ -607,7 +608,7 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
       const Scene scene = file.read_scene();
       std::size_t num_missing = states.size() + kTestPoints + written.size();
       for (const IntermediateState& state :
-           file.read_intermediate_states(tool_space_.interaction.active_node)) {
+           file.read_intermediate_states({tool_space_.interaction.active_node})) {
         const auto right = std::find_if(states.begin(), states.end(), [&](const auto& other) {
           return !(other < state) && !(state < other);
         });
@@ -620,8 +621,8 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
         expect_same(point, example_test_point(point.number));
         --num_missing;
       }
-      for (Configuration& c : file.read_summaries(tool_space_.interaction.active_node)) {
-        if (!file.read_fields(tool_space_.interaction.active_node, c)) continue;
+      for (Configuration& c : file.read_summaries({tool_space_.interaction.active_node})) {
+        if (!file.read_fields({tool_space_.interaction.active_node}, c)) continue;
         const auto right = written.find(c.check_point);
         ASSERT_NE(right, written.end()) << place;
         for (std::size_t n = 0; n < c.reached.size(); ++n) {
@@ -632,7 +633,7 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
       }
       const std::vector<std::string> left_out = file.left_out();
       EXPECT_TRUE(num_missing == 0 || !left_out.empty()) << num_missing << " at " << place;
-      EXPECT_TRUE(scene.touchable == scene_.touchable || !left_out.empty()) << place;
+      EXPECT_TRUE(scene.body.touchable == scene_.body.touchable || !left_out.empty()) << place;
       num_told += left_out.empty() ? 0 : 1;
       num_offered += left_out.empty() ? 0 : 1;
     } catch (const InputError&) {
@@ -648,60 +649,61 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
 
 TEST_F(StateSpaceFileTest, BodyOfOneMaterialWithoutCellArray) {
   Scene scene = scene_;
-  scene.material_of_cell.clear();
-  scene.materials.resize(1);
-  scene.materials[0].parameters[2] = -0.0;
+  scene.body.material_of_cell.clear();
+  scene.organ.materials.resize(1);
+  scene.organ.materials[0].parameters[2] = -0.0;
   StateSpaceFile::create(path_, scene, kTolerance).close();
   const Scene read = StateSpaceFile::open_read_only(path_).read_scene();
-  EXPECT_TRUE(read.material_of_cell.empty());
+  EXPECT_TRUE(read.body.material_of_cell.empty());
   EXPECT_EQ(hash(read), hash(scene));
 }
 
 TEST_F(StateSpaceFileTest, MaterialsOfEveryLawAndFormulation) {
   Scene scene = scene_;
-  scene.materials = {with_formulation(make_mooney_rivlin(300, 30.1, 900), Formulation::mixed),
-                     make_material(Law::mooney_rivlin_polynomial,
-                                   {1000, 10, -3, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}),
-                     make_material(Law::fung, {1000, 0.3, 0.1}),
-                     with_formulation(make_mooney_rivlin(300, 30.1, 900), Formulation::mixed_fine),
-                     make_material(Law::neo_hookean_incompressible, {1000.1}),
-                     make_material(Law::mooney_rivlin_incompressible, {0.1, 0.2}),
-                     make_material(Law::ogden, {900, 30, 2.5, 10, -3, 5, 1})};
+  scene.organ.materials = {
+      with_formulation(make_mooney_rivlin(300, 30.1, 900), Formulation::mixed),
+      make_material(Law::mooney_rivlin_polynomial,
+                    {1000, 10, -3, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}),
+      make_material(Law::fung, {1000, 0.3, 0.1}),
+      with_formulation(make_mooney_rivlin(300, 30.1, 900), Formulation::mixed_fine),
+      make_material(Law::neo_hookean_incompressible, {1000.1}),
+      make_material(Law::mooney_rivlin_incompressible, {0.1, 0.2}),
+      make_material(Law::ogden, {900, 30, 2.5, 10, -3, 5, 1})};
   StateSpaceFile::create(path_, scene, kTolerance).close();
   const Scene read = StateSpaceFile::open_read_only(path_).read_scene();
-  EXPECT_EQ(read.materials, scene.materials);
+  EXPECT_EQ(read.organ.materials, scene.organ.materials);
   EXPECT_EQ(hash(read), hash(scene));
 }
 
 TEST_F(StateSpaceFileTest, AppendsAndReplaces) {
   create().close();
   Scene touched = scene_;
-  touched.touchable[0] = 1 - touched.touchable[0];
+  touched.body.touchable[0] = 1 - touched.body.touchable[0];
   StateSpaceFile file = StateSpaceFile::open_or_create(path_, touched, kTolerance);
   file.add_tool_space(tool_space_);
   Configuration c = example_configuration(scene_, tool_space_, {0, 0, 1});
   c.outcome = Outcome::budget_used_up;
-  file.add(tool_space_.interaction.active_node, c);
+  file.add({tool_space_.interaction.active_node}, c);
   c.outcome = Outcome::converged;
-  file.add(tool_space_.interaction.active_node, c);
+  file.add({tool_space_.interaction.active_node}, c);
   const std::vector<Configuration> summaries =
-      file.read_summaries(tool_space_.interaction.active_node);
+      file.read_summaries({tool_space_.interaction.active_node});
   ASSERT_EQ(summaries.size(), 1U);
   EXPECT_TRUE(summaries[0].usable());
-  EXPECT_EQ(file.read_scene().touchable, touched.touchable);
+  EXPECT_EQ(file.read_scene().body.touchable, touched.body.touchable);
 }
 
 TEST_F(StateSpaceFileTest, RefusesWhatDoesNotFit) {
   StateSpaceFile file = create();
   const Configuration c = example_configuration(scene_, tool_space_, {0, 0, 0});
-  expect_mentions(message_of<InputError>([&] { file.add(5, c); }), {"no tool space", "5"});
+  expect_mentions(message_of<InputError>([&] { file.add({5}, c); }), {"no tool space", "5"});
   Configuration wrong_size = c;
   wrong_size.u.resize(7);
-  EXPECT_THROW(file.add(tool_space_.interaction.active_node, wrong_size), InputError);
+  EXPECT_THROW(file.add({tool_space_.interaction.active_node}, wrong_size), InputError);
   wrong_size = c;
   wrong_size.p.setZero(5);
   wrong_size.p_v.setZero(4, 3);
-  EXPECT_THROW(file.add(tool_space_.interaction.active_node, wrong_size), InputError);
+  EXPECT_THROW(file.add({tool_space_.interaction.active_node}, wrong_size), InputError);
   ToolSpaceSetup other_grid = tool_space_;
   other_grid.grid.resolution = 9;
   expect_mentions(message_of<InputError>([&] { file.add_tool_space(other_grid); }),
@@ -710,16 +712,16 @@ TEST_F(StateSpaceFileTest, RefusesWhatDoesNotFit) {
   other_tip.interaction.tip_radius = 0.25;
   expect_mentions(message_of<InputError>([&] { file.add_tool_space(other_tip); }),
                   {path_.filename().string(), "tip radius 0.125 m", "tip radius 0.25 m"});
-  file.add(tool_space_.interaction.active_node, c);
-  EXPECT_EQ(file.read_summaries(tool_space_.interaction.active_node).size(), 1U);
+  file.add({tool_space_.interaction.active_node}, c);
+  EXPECT_EQ(file.read_summaries({tool_space_.interaction.active_node}).size(), 1U);
   Configuration missing = example_configuration(scene_, tool_space_, {1, 1, 1});
-  EXPECT_THROW((void)file.read_fields(tool_space_.interaction.active_node, missing), InputError);
+  EXPECT_THROW((void)file.read_fields({tool_space_.interaction.active_node}, missing), InputError);
 }
 
 TEST_F(StateSpaceFileTest, RefusesAnotherSceneAndTolerance) {
   create().close();
   Scene other = scene_;
-  other.materials[0].parameters[0] *= 1.0000001;
+  other.organ.materials[0].parameters[0] *= 1.0000001;
   expect_mentions(message_of<InputError>(
                       [&] { (void)StateSpaceFile::open_to_append(path_, other, kTolerance); }),
                   {hash(scene_), hash(other), path_.filename().string()});
@@ -849,7 +851,7 @@ TEST_F(StateSpaceFileTest, SurvivesKill9) {
       StateSpaceFile file = StateSpaceFile::open_or_create(path_, scene_, kTolerance);
       file.add_tool_space(tool_space);
       for (std::size_t i = present; i < check_points.size(); ++i) {
-        file.add(tool_space.interaction.active_node,
+        file.add({tool_space.interaction.active_node},
                  example_configuration(scene_, tool_space, check_points[i]));
         if (write(channel[1], &i, sizeof i) != sizeof i) _exit(1);
       }
@@ -885,7 +887,7 @@ TEST_F(StateSpaceFileTest, KeepsReducedModelsToTheBit) {
     return database.integer("SELECT count(*) FROM sqlite_master WHERE name = 'reduced_array'");
   };
   storage::Arrays arrays;
-  arrays["Basis"] = Eigen::MatrixXd::Random(3 * scene_.mesh.num_points(), 500);
+  arrays["Basis"] = Eigen::MatrixXd::Random(3 * scene_.body.mesh.num_points(), 500);
   arrays["Odd"] = Eigen::RowVector4d(-0.0, std::numeric_limits<double>::quiet_NaN(),
                                      std::numeric_limits<double>::infinity(), 5e-324);
   arrays["Empty"].resize(3, 0);
@@ -922,7 +924,7 @@ TEST_F(StateSpaceFileTest, KeepsReducedModelsToTheBit) {
 
 TEST_F(StateSpaceFileTest, BecomesSmallerWithAReducedModelInIt) {
   const storage::Arrays large = {
-      {"Basis", Eigen::MatrixXd::Random(3 * scene_.mesh.num_points(), 5000)}};
+      {"Basis", Eigen::MatrixXd::Random(3 * scene_.body.mesh.num_points(), 5000)}};
   const storage::Arrays small = {{"Basis", Eigen::Matrix2d::Identity()}};
   {
     StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
@@ -996,7 +998,7 @@ TEST_F(StateSpaceFileTest, OfProcessesThatMakeOneFileAtOnceNoneLosesWhatItHasSto
         StateSpaceFile file = StateSpaceFile::open_or_create(path_, scene_, kTolerance);
         const ToolSpaceSetup own = example_setup(c, 3);
         file.add_tool_space(own);
-        file.add(c, example_configuration(scene_, own, {0, 0, 0}));
+        file.add({c}, example_configuration(scene_, own, {0, 0, 0}));
         file.close();
         code = 0;
       } catch (const BackendError& error) {
@@ -1016,7 +1018,7 @@ TEST_F(StateSpaceFileTest, OfProcessesThatMakeOneFileAtOnceNoneLosesWhatItHasSto
     const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
     for (int c = 0; c < kProcesses; ++c) {
       num_stored += codes[c] == 0 ? 1 : 0;
-      EXPECT_TRUE(codes[c] != 0 || file.read_summaries(c).size() == 1U);
+      EXPECT_TRUE(codes[c] != 0 || file.read_summaries({c}).size() == 1U);
     }
     EXPECT_GE(num_stored, 1);
     EXPECT_EQ(files().size(), 1U);
@@ -1027,7 +1029,7 @@ TEST_F(StateSpaceFileTest, LeavesTheLogOfAFileThatWasMovedAway) {
   const fs::path log = path_.string() + "-wal";
   std::ofstream(log) << "what was computed last";
   for (const auto& make : {&StateSpaceFile::create, &StateSpaceFile::open_or_create}) {
-    expect_mentions(message_of<InputError>([&] { (void)make(path_, scene_, kTolerance); }),
+    expect_mentions(message_of<InputError>([&] { (void)make(path_, scene_, kTolerance, {}); }),
                     {log.filename().string(), "move the log away"});
   }
   EXPECT_EQ(files(), std::vector<std::string>{log.filename().string()});
@@ -1037,11 +1039,11 @@ TEST_F(StateSpaceFileTest, LeavesTheLogOfAFileThatWasMovedAway) {
 TEST_F(StateSpaceFileTest, SaysThatItWasTakenAwayWhileItWasWritten) {
   StateSpaceFile file = create();
   fs::rename(path_, folder_ / "moved");
-  file.add(tool_space_.id, example_configuration(scene_, tool_space_, {0, 0, 0}));
+  file.add({tool_space_.id}, example_configuration(scene_, tool_space_, {0, 0, 0}));
   expect_mentions(message_of<BackendError>([&] { file.close(); }), {"was moved, removed", "-wal"});
   // As it says, nothing is lost.
   fs::rename(folder_ / "moved", path_);
-  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_summaries(tool_space_.id).size(), 1U);
+  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_summaries({tool_space_.id}).size(), 1U);
 }
 
 TEST_F(StateSpaceFileTest, ALinkIsTheFileThatItLeadsTo) {
@@ -1091,19 +1093,19 @@ TEST_F(StateSpaceFileTest, CandidatesGetTheirLevelOrGo) {
   same.level = candidate_level(start, 1, target);
   {
     StateSpaceFile file = create();
-    file.add(node, known);
-    file.add(node, other);
-    file.add(node, same);
-    EXPECT_EQ(file.read_candidates(node).size(), 2U);
-    EXPECT_EQ(file.read_summaries(node).size(), 1U);
-    file.add(node, LevelTransition{start, 0, target, 1});
-    file.settle(node, other, 1);
-    file.settle(node, same, failed_to_reach);
+    file.add({node}, known);
+    file.add({node}, other);
+    file.add({node}, same);
+    EXPECT_EQ(file.read_candidates({node}).size(), 2U);
+    EXPECT_EQ(file.read_summaries({node}).size(), 1U);
+    file.add({node}, LevelTransition{start, 0, target, 1});
+    file.settle({node}, other, 1);
+    file.settle({node}, same, failed_to_reach);
     // A level of any number.
     Configuration high = example_configuration(scene_, tool_space_, start);
     high.level = 200;
-    file.add(node, high);
-    file.add(node, LevelTransition{target, 0, start, 200});
+    file.add({node}, high);
+    file.add({node}, LevelTransition{target, 0, start, 200});
     known.reached[neighbour_number(target, start)] = 200;
     file.close();
   }
@@ -1111,19 +1113,19 @@ TEST_F(StateSpaceFileTest, CandidatesGetTheirLevelOrGo) {
   const fs::path merged = folder_ / "merged";
   StateSpaceFile file = StateSpaceFile::create(merged, scene_, kTolerance);
   EXPECT_TRUE(file.merge(path_).empty());
-  EXPECT_TRUE(file.read_candidates(node).empty());
-  const std::vector<LevelTransition> transitions = file.read_transitions(node);
+  EXPECT_TRUE(file.read_candidates({node}).empty());
+  const std::vector<LevelTransition> transitions = file.read_transitions({node});
   ASSERT_EQ(transitions.size(), 2U);
   EXPECT_EQ(transitions[0].start, start);
   EXPECT_EQ(transitions[0].start_level, 0);
   EXPECT_EQ(transitions[0].target, target);
   EXPECT_EQ(transitions[0].reached, 1);
   EXPECT_EQ(transitions[1].reached, 200);
-  std::vector<Configuration> all = file.read_summaries(node);
+  std::vector<Configuration> all = file.read_summaries({node});
   ASSERT_EQ(all.size(), 3U);
   other.level = 1;
-  EXPECT_TRUE(file.read_fields(node, all[1]));
-  EXPECT_TRUE(file.read_fields(node, all[2]));
+  EXPECT_TRUE(file.read_fields({node}, all[1]));
+  EXPECT_TRUE(file.read_fields({node}, all[2]));
   expect_same(all[1], known);
   expect_same(all[2], other);
 }
@@ -1145,8 +1147,7 @@ TEST_F(StateSpaceFileTest, MergesFilesOfRanks) {
       if (c == CheckPoint{1, 1, 0} && rank == 0) configuration.outcome = Outcome::budget_used_up;
       const bool shared = c == CheckPoint{0, 0, 0} || c == CheckPoint{1, 1, 0};
       if (rank == 2 || shared || i++ % 2 == rank) {
-        file.add(rank == 2 ? second.interaction.active_node : tool_space_.interaction.active_node,
-                 configuration);
+        file.add((rank == 2 ? second : tool_space_).key(), configuration);
       }
     });
     file.close();
@@ -1164,8 +1165,8 @@ TEST_F(StateSpaceFileTest, MergesFilesOfRanks) {
         expect_same(c, expected);
       }
     }
-    EXPECT_EQ(space.find(8)->find({0, 0, 0})->seconds, 0);
-    EXPECT_EQ(space.find(8)->find({1, 1, 0})->seconds, 1);
+    EXPECT_EQ(space.find({8})->find({0, 0, 0})->seconds, 0);
+    EXPECT_EQ(space.find({8})->find({1, 1, 0})->seconds, 1);
   }
   file.close();
   EXPECT_EQ(files().size(), 4U);
@@ -1180,7 +1181,7 @@ TEST_F(StateSpaceFileTest, MergesNoOtherScene) {
   create_full(other, example_setup(8, 5));
   expect_mentions(message_of<InputError>([&] { (void)file.merge(other); }), {"resolution"});
   EXPECT_THROW((void)file.merge(folder_ / "none"), InputError);
-  EXPECT_TRUE(file.read_summaries(8).empty());
+  EXPECT_TRUE(file.read_summaries({8}).empty());
 }
 
 /// Runs `body` in a process without the rights of root, and gives its exit code.
@@ -1235,7 +1236,7 @@ TEST_F(StateSpaceFileTest, SaysThatALogCannotBeTakenUp) {
   const pid_t child = fork();
   if (child == 0) {
     StateSpaceFile file = create();
-    file.add(tool_space_.interaction.active_node,
+    file.add({tool_space_.interaction.active_node},
              example_configuration(scene_, tool_space_, {0, 0, 0}));
     raise(SIGKILL);
   }
@@ -1269,7 +1270,8 @@ TEST_F(StateSpaceFileTest, KeepsWhatItHasWhenTheDiskIsFull) {
       StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
       file.add_tool_space(tool_space);
       for_each_check_point(tool_space, [&](const CheckPoint& c) {
-        file.add(tool_space.interaction.active_node, example_configuration(scene_, tool_space, c));
+        file.add({tool_space.interaction.active_node},
+                 example_configuration(scene_, tool_space, c));
       });
     } catch (const BackendError&) {
       code = 0;

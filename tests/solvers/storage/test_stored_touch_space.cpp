@@ -28,12 +28,12 @@ class TouchSpaceFile : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   [[nodiscard]] StateSpaceFile file_of(const StateSpace& space) const {
-    StateSpaceFile file =
-        StateSpaceFile::create(folder_ / "space.palpate", space.scene, space.solver_tolerance);
+    StateSpaceFile file = StateSpaceFile::create(folder_ / "space.palpate", *space.body().scene,
+                                                 space.solver_tolerance);
     for (const ToolSpace& tool_space : space.tool_spaces) {
       file.add_tool_space(tool_space.setup);
       for (const Configuration& c : tool_space.configurations)
-        file.add(tool_space.setup.interaction.active_node, c);
+        file.add({tool_space.setup.interaction.active_node}, c);
     }
     return file;
   }

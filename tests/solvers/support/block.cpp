@@ -10,12 +10,12 @@ namespace palpate::test {
 
 Scene make_scene(TetMesh mesh, const Material& material, const std::vector<char>& fixed) {
   Scene scene;
-  scene.mesh = std::move(mesh);
-  scene.materials = {material};
-  scene.fixed = fixed;
-  scene.touchable = boundary_points(scene.mesh);
+  scene.body.mesh = std::move(mesh);
+  scene.organ.materials = {material};
+  scene.body.fixed = fixed;
+  scene.body.touchable = boundary_points(scene.body.mesh);
   for (std::size_t p = 0; p < fixed.size(); ++p) {
-    if (fixed[p] != 0) scene.touchable[p] = 0;
+    if (fixed[p] != 0) scene.body.touchable[p] = 0;
   }
   return scene;
 }

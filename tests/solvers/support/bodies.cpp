@@ -64,10 +64,10 @@ InteractionList bond_as_one(const std::vector<Index>& points) {
 
 void put_inside(Scene& scene, const Material& other,
                 const std::function<bool(const Vec3&)>& inside) {
-  scene.materials.push_back(other);
-  scene.material_of_cell.clear();
-  for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
-    scene.material_of_cell.push_back(inside(middle_of(scene.mesh, c)) ? 1 : 0);
+  scene.organ.materials.push_back(other);
+  scene.body.material_of_cell.clear();
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+    scene.body.material_of_cell.push_back(inside(middle_of(scene.body.mesh, c)) ? 1 : 0);
   }
 }
 

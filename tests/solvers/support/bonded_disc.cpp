@@ -14,10 +14,10 @@ BondedDiscResult move_bonded_disc(const BondedDiscOptions& options) {
   const HalfSpaceOptions half{options.edges, options.extent, options.sectors, options.sectors / 2};
   const Scene scene = make_half_space(half, options.poissons_ratio);
   // Not what is on the plane of symmetry, which bounds the half. On the circle there is rounding.
-  InteractionList tools = bond_as_one(points_where(scene.mesh, [](const Vec3& x) {
+  InteractionList tools = bond_as_one(points_where(scene.body.mesh, [](const Vec3& x) {
     return x.z() == 0 && x.norm() < (1 + 1e-9) * kContactRadius;
   }));
-  tools.add(SymmetryPlanes(scene.mesh, half));
+  tools.add(SymmetryPlanes(scene.body.mesh, half));
   EquilibriumSolver solver(scene, {});
   solver.set_interaction(tools);
   // The body is linear: its stiffness at rest is that of any displacement.

@@ -33,8 +33,8 @@ HalfSpaceOptions sector(const BondedLayer& layer) {
 
 Scene make_bonded_layer(const BondedLayer& layer) {
   Scene scene = make_half_space(sector(layer), layer.poissons_ratio);
-  for (Vec3& point : scene.mesh.points) point *= layer.radius / kRadiusOfMesh;
-  scene.materials = {make_isotropic(layer.law, kYoungsModulus, layer.poissons_ratio)};
+  for (Vec3& point : scene.body.mesh.points) point *= layer.radius / kRadiusOfMesh;
+  scene.organ.materials = {make_isotropic(layer.law, kYoungsModulus, layer.poissons_ratio)};
   return scene;
 }
 
@@ -43,7 +43,8 @@ ContactLaw hard_law(const BondedLayer& layer) {
 }
 
 std::shared_ptr<const ContactSurface> hard_surface(const Scene& scene) {
-  return std::make_shared<const ContactSurface>(ContactSurface::divided(scene, kHardDivisions));
+  return std::make_shared<const ContactSurface>(
+      ContactSurface::divided(scene.body, kHardDivisions));
 }
 
 std::vector<LayerPress> press_layer(const BondedLayer& layer, const Scene& scene,
@@ -53,7 +54,7 @@ std::vector<LayerPress> press_layer(const BondedLayer& layer, const Scene& scene
   const RigidContact contact(surface, make_sphere(layer.radius), law);
   InteractionList tools;
   tools.add(contact);
-  tools.add(SymmetryPlanes(scene.mesh, options));
+  tools.add(SymmetryPlanes(scene.body.mesh, options));
   EquilibriumOptions equilibrium;
   // Rounding in the stiff springs allows no less.
   equilibrium.tolerance = 1e-8;

@@ -78,15 +78,15 @@ Scene make_half_space(const HalfSpaceOptions& options, double poissons_ratio) {
   Scene scene;
   const double size = options.extent * kContactRadius;
   const double edge = 1 / (options.edges * options.extent);
-  scene.mesh =
+  scene.body.mesh =
       make_sectors(planes(options.edges + (options.edges + 1) / 2, edge),
                    planes(options.edges, edge), options.own_sectors, angle_of(options), size);
-  scene.materials = {make_isotropic(Law::linear, kYoungsModulus, poissons_ratio)};
+  scene.organ.materials = {make_isotropic(Law::linear, kYoungsModulus, poissons_ratio)};
   // Edges of the side cut the circle's corners.
   const double side = 0.999 * size * std::cos(M_PI / options.sectors);
-  for (const Vec3& x : scene.mesh.points) {
-    scene.fixed.push_back(x.z() < -0.999 * size || x.head<2>().norm() > side ? 1 : 0);
-    scene.touchable.push_back(1 - scene.fixed.back());
+  for (const Vec3& x : scene.body.mesh.points) {
+    scene.body.fixed.push_back(x.z() < -0.999 * size || x.head<2>().norm() > side ? 1 : 0);
+    scene.body.touchable.push_back(1 - scene.body.fixed.back());
   }
   return scene;
 }

@@ -56,12 +56,12 @@ HertzResult press_half_space(const HertzOptions& options) {
   // Contact ends at r = a, where the mesh is still even.
   const HalfSpaceOptions sector{options.edges, options.extent, options.sectors, 1};
   const Scene scene = make_half_space(sector, options.poissons_ratio);
-  const RigidContact contact(
-      std::make_shared<const ContactSurface>(ContactSurface::divided(scene, options.divisions)),
-      make_sphere(kHertzRadius), {thickness, kContactStiffness});
+  const RigidContact contact(std::make_shared<const ContactSurface>(
+                                 ContactSurface::divided(scene.body, options.divisions)),
+                             make_sphere(kHertzRadius), {thickness, kContactStiffness});
   InteractionList tools;
   tools.add(contact);
-  tools.add(SymmetryPlanes(scene.mesh, sector));
+  tools.add(SymmetryPlanes(scene.body.mesh, sector));
   EquilibriumOptions solver_options;
   // Rounding in the stiff springs allows no less.
   solver_options.tolerance = 1e-8;
@@ -82,8 +82,8 @@ HertzResult press_half_space(const HertzOptions& options) {
   double moment = 0;
   double squares = 0;
   int number = 0;
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    const Vec3& x = scene.mesh.points[p];
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    const Vec3& x = scene.body.mesh.points[p];
     const Vec3 of_point = forces.segment<3>(3 * Eigen::Index{p});
     if (x.z() < 0) {
       result.force_below += of_point.norm();

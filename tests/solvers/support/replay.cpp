@@ -28,8 +28,8 @@ struct Plan {
   /// Their numbers count from 0.
   std::vector<PlannedSpace> spaces;
 
-  [[nodiscard]] const Recording& of(ToolSpaceId tool_space) const {
-    return recordings[recording_of_tool_space[static_cast<std::size_t>(tool_space)]];
+  [[nodiscard]] const Recording& of(ToolSpaceKey tool_space) const {
+    return recordings[recording_of_tool_space[static_cast<std::size_t>(tool_space.id)]];
   }
 };
 
@@ -41,7 +41,7 @@ std::shared_ptr<const ExplorationPlan> plan_of(const ToolSpaceSetup& setup,
   for (const ConfigurationSummary& c : recording.configurations) {
     targets.push_back({c.check_point, {c.parent}, (c.flags & flags::touches_nothing) != 0});
   }
-  return std::make_shared<StartGraph>(setup.id, std::move(targets));
+  return std::make_shared<StartGraph>(setup.key(), std::move(targets));
 }
 
 /// @throws InputError
@@ -78,7 +78,7 @@ class ReplaySolver final : public StateSolver {
 
   [[nodiscard]] Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                   Tangent tangent) override {
-    take(setup.id);
+    take(setup.key());
     const ConfigurationSummary& c = recorded(check_point(t));
     if (tangent == Tangent::factorised) keep_factor(c.check_point);
     return spend(c.seconds) ? found(c) : aborted();
@@ -86,7 +86,7 @@ class ReplaySolver final : public StateSolver {
 
   [[nodiscard]] Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                   const Equilibrium& start, Tangent tangent) override {
-    take(setup.id);
+    take(setup.key());
     const CheckPoint from = check_point(start.t);
     const ConfigurationSummary& c = recorded(check_point(t));
     if (c.parent != from) {
@@ -115,11 +115,11 @@ class ReplaySolver final : public StateSolver {
 
  private:
   [[nodiscard]] const ToolSpaceSetup& setup() const {
-    return plan_.spaces[static_cast<std::size_t>(taken_)].setup;
+    return plan_.spaces[static_cast<std::size_t>(taken_.id)].setup;
   }
 
   /// As the solver, which keeps the factors of one tool space.
-  void take(ToolSpaceId tool_space) {
+  void take(ToolSpaceKey tool_space) {
     if (std::exchange(taken_, tool_space) != tool_space) factors_.clear();
   }
 
@@ -134,7 +134,7 @@ class ReplaySolver final : public StateSolver {
   /// @throws InputError
   [[nodiscard]] const ConfigurationSummary& recorded(const CheckPoint& p) const {
     const Summaries& summaries = plan_.summaries[static_cast<std::size_t>(
-        plan_.recording_of_tool_space[static_cast<std::size_t>(taken_)])];
+        plan_.recording_of_tool_space[static_cast<std::size_t>(taken_.id)])];
     const auto found = summaries.find(p);
     if (found == summaries.end()) {
       throw InputError("The recording of " + plan_.of(taken_).setup.name() +
@@ -194,7 +194,7 @@ class ReplaySolver final : public StateSolver {
   Simulation& simulation_;
   int rank_;
   Monitor& monitor_;
-  ToolSpaceId taken_ = -1;
+  ToolSpaceKey taken_{-1};
   /// The last was used last.
   std::deque<CheckPoint> factors_;
 };
@@ -204,7 +204,7 @@ class ReplayRecord final : public Record {
  public:
   ReplayRecord(const Plan& plan, int rank) : plan_(plan), rank_(rank) {}
 
-  [[nodiscard]] Known known(ToolSpaceId tool_space) const override {
+  [[nodiscard]] Known known(ToolSpaceKey tool_space) const override {
     Known known;
     const auto& all = plan_.of(tool_space).configurations;
     const std::size_t number = rank_ == 0 ? std::min(plan_.options.num_known, all.size()) : 0;
@@ -212,10 +212,10 @@ class ReplayRecord final : public Record {
     return known;
   }
   [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
-  void keep(ToolSpaceId, const Configuration&, const std::vector<IntermediateState>&) override {}
-  void keep(ToolSpaceId, const LevelTransition&) override {}
-  void settle(ToolSpaceId, const ConfigurationSummary&, std::int32_t) override {}
-  [[nodiscard]] Configuration load(ToolSpaceId,
+  void keep(ToolSpaceKey, const Configuration&, const std::vector<IntermediateState>&) override {}
+  void keep(ToolSpaceKey, const LevelTransition&) override {}
+  void settle(ToolSpaceKey, const ConfigurationSummary&, std::int32_t) override {}
+  [[nodiscard]] Configuration load(ToolSpaceKey,
                                    const ConfigurationSummary& summary) const override {
     return {summary, {}, {}, {}, {}};
   }

@@ -36,10 +36,10 @@ inline TetMesh with_mirror_image(const TetMesh& half, std::vector<Index>& twin) 
 }
 
 inline void hold_plane(Scene& scene, const Vec3& normal, double offset) {
-  scene.held_directions.resize(scene.mesh.points.size(), HeldDirections::Zero());
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    if (std::abs(normal.dot(scene.mesh.points[p]) - offset) > 1e-12) continue;
-    hold_along(normal, scene.held_directions[p], scene.fixed[p]);
+  scene.body.held_directions.resize(scene.body.mesh.points.size(), HeldDirections::Zero());
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    if (std::abs(normal.dot(scene.body.mesh.points[p]) - offset) > 1e-12) continue;
+    hold_along(normal, scene.body.held_directions[p], scene.body.fixed[p]);
   }
 }
 
@@ -48,7 +48,7 @@ inline Scene make_sector(TetMesh mesh, const Shell& shell, const std::vector<cha
       std::move(mesh), make_material(Law::neo_hookean_incompressible, shell.youngs_modulus, 0.5),
       std::vector<char>(inside.size(), 0));
   for (const char is_inside : inside) {
-    scene.applied_pressure.push_back(is_inside != 0 ? shell.pressure : 0);
+    scene.body.applied_pressure.push_back(is_inside != 0 ? shell.pressure : 0);
   }
   return scene;
 }

@@ -86,7 +86,7 @@ SlidingResult slide(const SlidingOptions& options) {
   RigidTool tool;
   tool.radius = kRadius;
   tool.law.thickness = options.thickness;
-  const RigidContact contact = make_contact(scene, with_defaults(tool, scene));
+  const RigidContact contact = make_contact(scene.body, with_defaults(tool, scene));
   solver.set_interaction(contact);
   const auto solve = [&](const Vec3& place, const Equilibrium& from) {
     Equilibrium state = solver.solve(place, from);

@@ -82,22 +82,22 @@ void add_contrasts(std::vector<Case>& cases) {
           {"Stiff inclusion, " + ratio, body, ends, [=] {
              Scene scene =
                  make_scene(make_box(order, {3, 3, 3}, Vec3::Constant(kSize)), tissue(law), {});
-             scene.fixed = fixed_where(scene.mesh, at_left);
+             scene.body.fixed = fixed_where(scene.body.mesh, at_left);
              const auto inside = [](const Vec3& p) {
                return (p - Vec3::Constant(kSize / 2)).lpNorm<Eigen::Infinity>() < kSize / 6;
              };
              put_inside(scene, scaled(tissue(law), contrast), inside);
-             const Index corner = nearest_point(scene.mesh, Vec3::Constant(kSize));
+             const Index corner = nearest_point(scene.body.mesh, Vec3::Constant(kSize));
              return hold_point(std::move(scene), corner, kSize * Vec3(0.08, 0.04, -0.06));
            }});
       cases.push_back(
           {"Stiff layer, " + ratio, body, ends, [=] {
              Scene scene =
                  make_scene(make_box(order, {4, 2, 2}, Vec3::Constant(kSize)), tissue(law), {});
-             scene.fixed = fixed_where(scene.mesh, at_left);
+             scene.body.fixed = fixed_where(scene.body.mesh, at_left);
              put_inside(scene, scaled(tissue(law), contrast),
                         [](const Vec3& p) { return p.x() > kSize / 4 && p.x() < kSize / 2; });
-             const Index corner = nearest_point(scene.mesh, Vec3::Constant(kSize));
+             const Index corner = nearest_point(scene.body.mesh, Vec3::Constant(kSize));
              return hold_point(std::move(scene), corner, kSize * Vec3(0.08, 0.04, -0.06));
            }});
       cases.push_back(
@@ -109,11 +109,11 @@ void add_contrasts(std::vector<Case>& cases) {
                  make_scene(make_graded_box(order, {planes, {0, 0.02, 0.98, 1}, {0, 0.02, 0.98, 1}},
                                             Vec3::Constant(kSize)),
                             tissue(law), {});
-             scene.fixed = fixed_where(scene.mesh, at_left);
+             scene.body.fixed = fixed_where(scene.body.mesh, at_left);
              put_inside(scene, scaled(tissue(law), contrast), [](const Vec3& p) {
                return (p - Vec3::Constant(kSize / 2)).lpNorm<Eigen::Infinity>() > 0.48 * kSize;
              });
-             const Index edge = nearest_point(scene.mesh, kSize * Vec3(0.5, 1, 1));
+             const Index edge = nearest_point(scene.body.mesh, kSize * Vec3(0.5, 1, 1));
              return hold_point(std::move(scene), edge, kSize * Vec3(0.01, -0.004, 0.006));
            }});
     });
@@ -254,9 +254,10 @@ void add_supports(std::vector<Case>& cases) {
   for_each_body([&](ElementOrder order, Law law, const std::string& body) {
     const auto block_held_at = [=](const std::vector<Vec3>& places) {
       Block block = make_block(law, {order});
-      auto& fixed = block.scene.fixed;
+      auto& fixed = block.scene.body.fixed;
       std::fill(fixed.begin(), fixed.end(), 0);
-      for (const Vec3& place : places) fixed[nearest_point(block.scene.mesh, kSize * place)] = 1;
+      for (const Vec3& place : places)
+        fixed[nearest_point(block.scene.body.mesh, kSize * place)] = 1;
       return hold_point(std::move(block.scene), block.corner, kSize * Vec3(0.05, 0.02, 0.03));
     };
     cases.push_back({"Not held at all", body, is_refused(), [=] { return block_held_at({}); }});
@@ -270,19 +271,20 @@ void add_supports(std::vector<Case>& cases) {
                        // All but one point of the surface, which is pulled out: that changes the
                        // volume.
                        Block block = make_block(law, {order});
-                       std::fill(block.scene.fixed.begin(), block.scene.fixed.end(), 1);
-                       block.scene.fixed[block.middle] = 0;
+                       std::fill(block.scene.body.fixed.begin(), block.scene.body.fixed.end(), 1);
+                       block.scene.body.fixed[block.middle] = 0;
                        return hold_point(std::move(block.scene), block.middle,
                                          kSize * Vec3(0.02, 0, 0));
                      }});
     const auto two_parts = [=](bool hold_second) {
       Block block = make_block(law, {order, {2, 2, 2}});
       Scene& scene = block.scene;
-      const Index first = scene.mesh.num_points();
-      add_copy(scene.mesh, Vec3(3 * kSize, 0, 0));
-      scene.touchable.resize(2 * first, 1);
-      scene.fixed.resize(2 * first, 0);
-      if (hold_second) std::copy_n(scene.fixed.begin(), first, scene.fixed.begin() + first);
+      const Index first = scene.body.mesh.num_points();
+      add_copy(scene.body.mesh, Vec3(3 * kSize, 0, 0));
+      scene.body.touchable.resize(2 * first, 1);
+      scene.body.fixed.resize(2 * first, 0);
+      if (hold_second)
+        std::copy_n(scene.body.fixed.begin(), first, scene.body.fixed.begin() + first);
       return hold_point(std::move(scene), block.corner, kSize * Vec3(0.05, 0.02, 0.03));
     };
     cases.push_back(
@@ -324,7 +326,7 @@ void add_cells(std::vector<Case>& cases) {
     }
     cases.push_back({"Cells with corners in left-handed order", body, converges(), [=] {
                        Block block = make_block(law, {order});
-                       TetMesh& mesh = block.scene.mesh;
+                       TetMesh& mesh = block.scene.body.mesh;
                        for (Index c = 0; c < mesh.num_cells(); c += 2) {
                          Index* cell = mesh.cells.data() +
                                        static_cast<std::ptrdiff_t>(c) * nodes_per_cell(order);

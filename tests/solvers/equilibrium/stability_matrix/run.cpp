@@ -56,7 +56,7 @@ Result run(const Case& one) {
   if (!result.refused) {
     result.message = result.state.summary.message;
     result.faults = faults(result.state, result.solver->assembly(), result.problem.tools,
-                           options.tolerance, &result.problem.scene.mesh);
+                           options.tolerance, &result.problem.scene.body.mesh);
     if (result.state.outcome == Outcome::converged && result.state.t != result.problem.way.back()) {
       result.faults.emplace_back("converged, but not to the displacement that was asked for");
     }

@@ -212,8 +212,8 @@ TEST(Twist, TheWayMatters) {
 Equilibrium pull_in_units(ElementOrder order, Law law, double length, double modulus,
                           const EquilibriumOptions& options = {}) {
   Block block = make_block(law, {order});
-  for (Vec3& p : block.scene.mesh.points) p *= length;
-  block.scene.materials[0] = scaled(block.scene.materials[0], modulus);
+  for (Vec3& p : block.scene.body.mesh.points) p *= length;
+  block.scene.organ.materials[0] = scaled(block.scene.organ.materials[0], modulus);
   EquilibriumSolver solver(block.scene, options);
   solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium state = solver.solve(length * Vec3(0.012, 0.006, -0.01), solver.rest());

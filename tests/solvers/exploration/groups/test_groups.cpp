@@ -153,7 +153,7 @@ TEST_F(Groups, ReportWhatIsWrongOnce) {
     }
     return std::string();
   };
-  options_.active_nodes = {block_.scene.mesh.num_points()};
+  options_.active_nodes = {block_.scene.body.mesh.num_points()};
   EXPECT_NE(message().find("does not exist"), std::string::npos);
   options_.active_nodes = {block_.corner};
   for (const int bad : {-1, 0, world_->size() + 1}) {

@@ -144,7 +144,7 @@ TEST_F(RoofLevels, BothBranchesAreFoundAndTouchJumpsWhereTheBodyDoes) {
   EXPECT_GT(num_transitions_, num_levels_);
   if (world_->rank() != 0) return;
   const TouchToolSpace& tool_space = serial_->space.tool_spaces.front();
-  const Folds folds = trace_folds(*scene_, BondedPatches(*scene_, 0.04), node_);
+  const Folds folds = trace_folds(*scene_, BondedPatches(scene_->body, 0.04), node_);
   const double spacing = tool_space.setup.grid.spacing();
 
   // Between the folds both branches are there, and beyond them one is.
@@ -221,7 +221,7 @@ TEST_F(RoofLevels, AnAbortedRunGoesOnAndMakesNoTransitionTwice) {
   if (world_->rank() == 0) {
     expect_equal(resumed.space, serial_->space);
     expect_equal(again.space, serial_->space);
-    EXPECT_TRUE(StateSpaceFile::open_read_only(file).read_candidates(node_).empty());
+    EXPECT_TRUE(StateSpaceFile::open_read_only(file).read_candidates({node_}).empty());
   }
   agree(*world_, [] {});
   if (world_->rank() == 0) fs::remove_all(folder);

@@ -43,16 +43,17 @@ class PowerLossTest : public testing::Test {
   /// Adds those of the configurations from one number to another that are not there.
   void fill(StateSpaceFile& file, std::size_t begin, std::size_t end) const {
     std::set<CheckPoint> known;
-    for (const Configuration& c : file.read_summaries(kNode)) known.insert(c.check_point);
+    for (const Configuration& c : file.read_summaries({kNode})) known.insert(c.check_point);
     for (std::size_t c = begin; c < end; ++c) {
       if (known.count(check_points_[c]) > 0) continue;
-      file.add(kNode, test::example_configuration(scene_, setup(), check_points_[c]));
+      file.add({kNode}, test::example_configuration(scene_, setup(), check_points_[c]));
     }
   }
   /// A resume on one rank; `work` is given the file.
   void resume(const std::function<void(StateSpaceFile&)>& work) const {
     const auto communicator = make_serial_communicator();
-    RankFiles files(path(), scene_, kTolerance, *communicator);
+    const std::vector<SpaceBody> bodies{make_space_body(scene_)};
+    RankFiles files(path(), bodies, kTolerance, *communicator);
     files.open([](StateSpaceFile& file) { file.add_tool_space(setup()); });
     work(files.own());
     files.merge();
@@ -61,8 +62,8 @@ class PowerLossTest : public testing::Test {
   /// @throws InputError, BackendError what is there cannot be used; a failure where it is wrong.
   void expect_holds(const StateSpaceFile& file, std::size_t num_durable) const {
     std::set<CheckPoint> found;
-    for (Configuration& c : file.read_summaries(kNode)) {
-      EXPECT_TRUE(file.read_fields(kNode, c));
+    for (Configuration& c : file.read_summaries({kNode})) {
+      EXPECT_TRUE(file.read_fields({kNode}, c));
       const Configuration right = test::example_configuration(scene_, setup(), c.check_point);
       EXPECT_EQ(c.force, right.force);
       EXPECT_EQ(c.u, right.u);

@@ -31,7 +31,7 @@ class RankFilesTest : public testing::Test {
     StateSpaceFile file = StateSpaceFile::create(path, scene_, kTolerance);
     file.add_tool_space(tool_space_);
     for (std::int32_t i = begin; i < end; ++i) {
-      file.add(tool_space_.interaction.active_node,
+      file.add({tool_space_.interaction.active_node},
                test::example_configuration(scene_, tool_space_, {i, 0, 0}));
     }
     file.close();
@@ -53,7 +53,8 @@ TEST_F(RankFilesTest, KeepsAFileThatIsDamaged) {
   make(rank_, 0, 4);
   change(rank_, "UPDATE configuration SET u = zeroblob(length(u)) WHERE i = 2");
   for (int again = 0; again < 2; ++again) {
-    RankFiles files(path_, scene_, kTolerance, *communicator_);
+    const std::vector<SpaceBody> bodies{make_space_body(scene_)};
+    RankFiles files(path_, bodies, kTolerance, *communicator_);
     try {
       files.open([](StateSpaceFile&) {});
       FAIL() << "no error";
@@ -68,9 +69,10 @@ TEST_F(RankFilesTest, KeepsAFileThatIsDamaged) {
   EXPECT_EQ(StateSpaceFile::open_read_only(path_).read(true).tool_spaces[0].configurations.size(),
             6U);
   fs::remove(rank_);
-  RankFiles files(path_, scene_, kTolerance, *communicator_);
+  const std::vector<SpaceBody> bodies{make_space_body(scene_)};
+  RankFiles files(path_, bodies, kTolerance, *communicator_);
   files.open([](StateSpaceFile&) {});
-  EXPECT_EQ(files.own().read_summaries(tool_space_.interaction.active_node).size(), 6U);
+  EXPECT_EQ(files.own().read_summaries({tool_space_.interaction.active_node}).size(), 6U);
   EXPECT_TRUE(files.damaged().empty());
 }
 
@@ -78,12 +80,13 @@ TEST_F(RankFilesTest, ComputesAgainWhatIsDamaged) {
   make(path_, -3, 4);
   change(path_, "UPDATE configuration SET v = zeroblob(length(v)) WHERE i = 2");
   change(path_, "UPDATE configuration SET energy = 7 WHERE i = -1");
-  RankFiles files(path_, scene_, kTolerance, *communicator_);
+  const std::vector<SpaceBody> bodies{make_space_body(scene_)};
+  RankFiles files(path_, bodies, kTolerance, *communicator_);
   files.open([&](StateSpaceFile& file) { file.add_tool_space(tool_space_); });
   ASSERT_EQ(files.damaged().size(), 2U);
   EXPECT_EQ(files.damaged()[0], "configuration (-1, 0, 0) of active node 8");
   EXPECT_EQ(files.damaged()[1], "configuration (2, 0, 0) of active node 8");
-  EXPECT_EQ(files.own().read_summaries(tool_space_.interaction.active_node).size(), 5U);
+  EXPECT_EQ(files.own().read_summaries({tool_space_.interaction.active_node}).size(), 5U);
   EXPECT_TRUE(files.own().left_out().empty());
 }
 

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A body: one discretisation of an organ. It has a mesh, and upon this mesh what the organ is made
+// of, where it is held and may be touched, and what pushes and pulls at its surface.
+#pragma once
+
+#include <vector>
+
+#include "base/types.h"
+#include "mesh/tet_mesh.h"
+
+namespace palpate {
+
+/// The directions along which a point is held, as a plane of symmetry holds it: none, one or two,
+/// orthonormal; columns without one are zero.
+using HeldDirections = Eigen::Matrix<double, 3, 2>;
+
+struct Body {
+  TetMesh mesh;
+  /// Index into Organ::materials [num_cells]; empty: the whole body has the first material.
+  std::vector<Index> material_of_cell;
+  /// 1 for each point whose displacement is 0 [num_points].
+  std::vector<char> fixed;
+  /// 1 for each point that may be touched [num_points].
+  std::vector<char> touchable;
+  // The following are empty if the body has none. A face of the surface has what all of its corners
+  // have, with linear values in between.
+
+  /// Directions along which the displacement is 0 [num_points].
+  std::vector<HeldDirections> held_directions;
+  /// κ, N/m³, of springs that hold the surface at its place at rest [num_points].
+  std::vector<double> support_stiffness;
+  /// p, Pa, which pushes on the deformed surface [num_points]. It acts only on faces that have the
+  /// same p at all corners.
+  std::vector<double> applied_pressure;
+  /// t, Pa: a force in the direction of t on the area at rest [num_points].
+  std::vector<Vec3> applied_traction;
+
+  /// The place of a cell's material in Organ::materials.
+  [[nodiscard]] Index material_of(Index cell) const {
+    return material_of_cell.empty() ? 0 : material_of_cell[cell];
+  }
+  /// Whether the body is held by more than fixed points.
+  [[nodiscard]] bool has_supports() const {
+    return !held_directions.empty() || !support_stiffness.empty();
+  }
+  /// Whether something pushes or pulls at the surface.
+  [[nodiscard]] bool has_surface_loads() const {
+    return !applied_pressure.empty() || !applied_traction.empty();
+  }
+  /// Whether the surface has more than fixed points.
+  [[nodiscard]] bool has_supports_or_surface_loads() const {
+    return has_supports() || has_surface_loads();
+  }
+};
+
+/// A body at rest under its loads, which follows from the scene: see EquilibriumSolver::settled().
+/// It is empty if the scene has no load, or if it was not computed yet.
+struct SettledBody {
+  /// Displacement of every point [3 × num_points], m, and pressures of mixed cells [num_pressures],
+  /// Pa.
+  NodalVector u;
+  NodalVector p;
+};
+
+/// The places of the points at rest: those of the mesh, displaced by the loads [num_points], m.
+[[nodiscard]] std::vector<Vec3> points_at_rest(const TetMesh& mesh, const SettledBody& at_rest);
+[[nodiscard]] Vec3 place_at_rest(const TetMesh& mesh, const SettledBody& at_rest, Index point);
+
+}  // namespace palpate

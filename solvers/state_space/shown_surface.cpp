@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "state_space/shown_surface.h"
+
+#include "mesh/surface_tree.h"
+
+namespace palpate {
+
+Surface surface_at_rest(const SpaceBody& body) {
+  Surface surface = make_surface(body.mesh());
+  for (Index p = 0; p < surface.num_points(); ++p) {
+    surface.points[p] = place_at_rest(body.mesh(), body.at_rest, surface.mesh_points[p]);
+  }
+  return surface;
+}
+
+ShownSurface::ShownSurface(const std::vector<SpaceBody>& bodies) {
+  for (const SpaceBody& body : bodies) {
+    const Surface& surface = surfaces_[body.number] = surface_at_rest(body);
+    if (body.number == kFirstBody) continue;
+    const SurfaceTree tree(surface.points, surface.triangles);
+    std::vector<Carrier>& carriers = carriers_[body.number];
+    for (const Vec3& point : this->surface().points) {
+      const SurfaceTree::Nearest nearest = tree.nearest(point);
+      carriers.push_back({tree.points_of(nearest.triangle), nearest.weights});
+    }
+  }
+}
+
+Eigen::MatrixXf ShownSurface::carry(BodyId body, const Eigen::MatrixXf& of_body) const {
+  const Eigen::Index num_shown = surface().num_points();
+  if (body == kFirstBody) return of_body.topRows(3 * num_shown);
+  const std::vector<Carrier>& carriers = carriers_.at(body);
+  Eigen::MatrixXf shown = Eigen::MatrixXf::Zero(3 * num_shown, of_body.cols());
+  for (Eigen::Index p = 0; p < num_shown; ++p) {
+    const Carrier& carrier = carriers[static_cast<std::size_t>(p)];
+    for (int a = 0; a < 3; ++a) {
+      shown.middleRows<3>(3 * p) += static_cast<float>(carrier.weights[a]) *
+                                    of_body.middleRows<3>(3 * Eigen::Index{carrier.points[a]});
+    }
+  }
+  return shown;
+}
+
+}  // namespace palpate

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The surface of a space that is shown and touched: that of the first body at rest. Another body
+// carries it: each of its points moves with the place of that body's surface to which it is nearest
+// at rest.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <map>
+#include <vector>
+
+#include "state_space/space_body.h"
+#include "state_space/surface.h"
+
+namespace palpate {
+
+/// The surface of a body at rest.
+[[nodiscard]] Surface surface_at_rest(const SpaceBody& body);
+
+class ShownSurface {
+ public:
+  /// @param bodies In the order of their numbers, one at least.
+  explicit ShownSurface(const std::vector<SpaceBody>& bodies);
+
+  [[nodiscard]] const Surface& surface() const { return surface_of(kFirstBody); }
+  /// The surface of a body at rest.
+  [[nodiscard]] const Surface& surface_of(BodyId body) const { return surfaces_.at(body); }
+
+  /// Displacements of the points of a body's surface as displacements of the points that are shown.
+  /// @param of_body [3 × points of the body's surface, any number of fields]. There may be more
+  ///   rows below, which are left out.
+  [[nodiscard]] Eigen::MatrixXf carry(BodyId body, const Eigen::MatrixXf& of_body) const;
+
+ private:
+  /// The points of a body's surface that carry a point, and their weights, which add up to 1.
+  struct Carrier {
+    std::array<Index, 3> points{};
+    Vec3 weights = Vec3::Zero();
+  };
+
+  std::map<BodyId, Surface> surfaces_;
+  /// The carriers of all points that are shown; the first body needs none.
+  std::map<BodyId, std::vector<Carrier>> carriers_;
+};
+
+}  // namespace palpate
