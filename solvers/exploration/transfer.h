@@ -39,42 +39,16 @@ namespace palpate {
 
 template <class Visit>
 void for_each_part(ConfigurationSummary& c, Visit&& visit) {
-  visit(c.check_point);
-  visit(c.level);
-  visit(c.parent);
-  visit(c.parent_level);
-  visit(c.t);
-  visit(c.energy);
-  visit(c.force);
-  visit(c.stiffness);
-  visit(c.third_derivative);
-  visit(c.outcome);
-  visit(c.flags);
-  visit(c.residual);
-  visit(c.minimum_det_f);
-  visit(c.negative_pivots);
-  visit(c.iterations);
-  visit(c.signature);
+  for_each_number_of_summary(c, visit);
   visit(c.reached);
-  visit(c.seconds);
 }
 template <class Visit>
 void for_each_part(IntermediateState& state, Visit&& visit) {
-  visit(state.target);
-  visit(state.number);
-  visit(state.t);
-  visit(state.energy);
-  visit(state.force);
-  visit(state.outcome);
-  visit(state.flags);
-  visit(state.seconds);
+  for_each_number_of_intermediate(state, visit);
 }
 template <class Visit>
 void for_each_part(LevelTransition& transition, Visit&& visit) {
-  visit(transition.start);
-  visit(transition.start_level);
-  visit(transition.target);
-  visit(transition.reached);
+  for_each_number_of_transition(transition, visit);
 }
 template <class Visit>
 void for_each_part(ToolSpaceKey& key, Visit&& visit) {

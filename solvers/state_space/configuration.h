@@ -178,6 +178,53 @@ struct LevelTransition {
   std::int32_t reached = failed_to_reach;
 };
 
+/// Calls visit for each number of a summary, in the order of the columns of the file. What
+/// transitions have reached is not among them.
+template <class Summary, class Visit>
+void for_each_number_of_summary(Summary& c, Visit&& visit) {
+  for (auto& x : c.check_point) visit(x);
+  visit(c.level);
+  for (auto& x : c.parent) visit(x);
+  visit(c.parent_level);
+  for (int a = 0; a < 3; ++a) visit(c.t[a]);
+  visit(c.energy);
+  for (int a = 0; a < 3; ++a) visit(c.force[a]);
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) visit(c.stiffness(a, b));
+  }
+  visit(c.outcome);
+  visit(c.flags);
+  visit(c.residual);
+  visit(c.minimum_det_f);
+  visit(c.negative_pivots);
+  visit(c.iterations);
+  visit(c.seconds);
+  for (int a = 0; a < 3; ++a) visit(c.signature[a]);
+  visit(c.third_derivative);
+}
+
+/// Does the same for an intermediate state.
+template <class State, class Visit>
+void for_each_number_of_intermediate(State& state, Visit&& visit) {
+  for (auto& x : state.target) visit(x);
+  visit(state.number);
+  for (int a = 0; a < 3; ++a) visit(state.t[a]);
+  visit(state.energy);
+  for (int a = 0; a < 3; ++a) visit(state.force[a]);
+  visit(state.outcome);
+  visit(state.flags);
+  visit(state.seconds);
+}
+
+/// Does the same for a transition.
+template <class Transition, class Visit>
+void for_each_number_of_transition(Transition& transition, Visit&& visit) {
+  for (auto& x : transition.start) visit(x);
+  visit(transition.start_level);
+  for (auto& x : transition.target) visit(x);
+  visit(transition.reached);
+}
+
 /// The level that stands for what a transition from (start, start_level) has found at a neighbour,
 /// until its level is known. It is below zero, and no other transition to that neighbour has it.
 [[nodiscard]] inline std::int32_t candidate_level(const CheckPoint& start, std::int32_t start_level,

@@ -78,7 +78,7 @@ void Configurations::insert(const ToolSpaceKey& key, const ConfigurationSummary&
                         " FROM tool_space WHERE scene_id = ?1 AND tool_space_id = ?2");
   }
   bind(key, *insert_);
-  rows::for_each_number_of_summary(summary, rows::Bind{*insert_});
+  for_each_number_of_summary(summary, rows::Bind{*insert_});
   const std::int64_t of_fields = rows::checksum(fields);
   insert_->bind(rows::checksum(key, summary, of_fields));
   insert_->bind(of_fields);
@@ -115,7 +115,7 @@ std::vector<Configuration> Configurations::read_where(const ToolSpaceKey& key,
       key, table_.columns("i", "summary_checksum") + ", checksum, summary_checksum", condition,
       [&](Statement& select, Configuration& c) {
         bool sound = true;
-        rows::for_each_number_of_summary(c, rows::Take{select, sound});
+        for_each_number_of_summary(c, rows::Take{select, sound});
         const std::int64_t of_fields = select.take_integer();
         const std::int64_t stored = select.take_integer();
         return sound && stored == rows::checksum(key, c, of_fields, connection_.checked()) &&
@@ -194,7 +194,7 @@ bool Configurations::read_stored(const ToolSpaceKey& key, const ConfigurationSum
     row = select.take_integer();
     bool sound = true;
     ConfigurationSummary summary;
-    rows::for_each_number_of_summary(summary, rows::Take{select, sound});
+    for_each_number_of_summary(summary, rows::Take{select, sound});
     const std::int64_t of_summary = select.take_integer();
     const std::int64_t of_fields = select.take_integer();
     rows::Fields fields;

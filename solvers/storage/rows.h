@@ -4,7 +4,7 @@
 //
 // A file may be damaged, or made by anyone. A row is sound if its checksum is right and its numbers
 // are possible. Rows that are not sound are left out. Each kind of record lists its numbers once,
-// in the order of its columns in schema.sql.h.
+// in the order of its columns in schema.sql.h: here, or beside the type where ranks send them too.
 //
 // A checksum takes in the number of the body, so that a row is not taken for one of another body.
 // The first body is an exception: it was the only one in files of earlier versions, whose checksums
@@ -70,30 +70,6 @@ void for_each_number_of_tool_space(Space& space, Visit&& visit, Checked checked 
   visit(policy.depth);
 }
 
-/// Does the same for a summary.
-template <class Summary, class Visit>
-void for_each_number_of_summary(Summary& c, Visit&& visit) {
-  for (auto& x : c.check_point) visit(x);
-  visit(c.level);
-  for (auto& x : c.parent) visit(x);
-  visit(c.parent_level);
-  for (int a = 0; a < 3; ++a) visit(c.t[a]);
-  visit(c.energy);
-  for (int a = 0; a < 3; ++a) visit(c.force[a]);
-  for (int a = 0; a < 3; ++a) {
-    for (int b = 0; b < 3; ++b) visit(c.stiffness(a, b));
-  }
-  visit(c.outcome);
-  visit(c.flags);
-  visit(c.residual);
-  visit(c.minimum_det_f);
-  visit(c.negative_pivots);
-  visit(c.iterations);
-  visit(c.seconds);
-  for (int a = 0; a < 3; ++a) visit(c.signature[a]);
-  visit(c.third_derivative);
-}
-
 /// A basis without its modes.
 struct BasisRow {
   std::int64_t number = 0;
@@ -122,28 +98,6 @@ struct ModeKey {
   std::int64_t of_pressure = 0;
   std::int64_t number = 0;
 };
-
-/// Does the same for a transition.
-template <class Transition, class Visit>
-void for_each_number_of_transition(Transition& transition, Visit&& visit) {
-  for (auto& x : transition.start) visit(x);
-  visit(transition.start_level);
-  for (auto& x : transition.target) visit(x);
-  visit(transition.reached);
-}
-
-/// Does the same for an intermediate state.
-template <class State, class Visit>
-void for_each_number_of_intermediate(State& state, Visit&& visit) {
-  for (auto& x : state.target) visit(x);
-  visit(state.number);
-  for (int a = 0; a < 3; ++a) visit(state.t[a]);
-  visit(state.energy);
-  for (int a = 0; a < 3; ++a) visit(state.force[a]);
-  visit(state.outcome);
-  visit(state.flags);
-  visit(state.seconds);
-}
 
 /// Binds each number to the next parameter.
 struct Bind {

@@ -18,7 +18,7 @@ void Transitions::insert(const ToolSpaceKey& key, const LevelTransition& transit
                          const std::string& where_there_is_one) {
   Statement statement(connection_.database(), table_.insert(where_there_is_one));
   bind(key, statement);
-  rows::for_each_number_of_transition(transition, rows::Bind{statement});
+  for_each_number_of_transition(transition, rows::Bind{statement});
   statement.bind(rows::checksum(key, transition));
   statement.run();
 }
@@ -30,7 +30,7 @@ std::vector<LevelTransition> Transitions::read(const ToolSpaceKey& key) const {
       key, table_.columns("i", "checksum") + ", checksum", "true",
       [&](Statement& select, LevelTransition& transition) {
         bool sound = true;
-        rows::for_each_number_of_transition(transition, rows::Take{select, sound});
+        for_each_number_of_transition(transition, rows::Take{select, sound});
         return sound && select.take_integer() == rows::checksum(key, transition) &&
                rows::is_possible(space->setup.grid, transition);
       },
@@ -67,7 +67,7 @@ void IntermediateStates::add(const ToolSpaceKey& key, const IntermediateState& s
 void IntermediateStates::write(const ToolSpaceKey& key, const IntermediateState& state) {
   Statement insert(connection_.database(), table_.insert());
   bind(key, insert);
-  rows::for_each_number_of_intermediate(state, rows::Bind{insert});
+  for_each_number_of_intermediate(state, rows::Bind{insert});
   insert.bind(rows::checksum(key, state));
   insert.run();
 }
@@ -79,7 +79,7 @@ std::vector<IntermediateState> IntermediateStates::read(const ToolSpaceKey& key)
       key, table_.columns("i", "checksum") + ", checksum", "true",
       [&](Statement& select, IntermediateState& state) {
         bool sound = true;
-        rows::for_each_number_of_intermediate(state, rows::Take{select, sound});
+        for_each_number_of_intermediate(state, rows::Take{select, sound});
         return sound &&
                select.take_integer() == rows::checksum(key, state, connection_.checked()) &&
                rows::is_possible(space->setup.grid, state);

@@ -74,7 +74,8 @@ def main():
     SaveData("both.vtpc", proxy=space)
     again = OpenDataFile("both.vtpc")
     for number, node in ((1, middle), (2, of_second)):
-        settings = {"ActiveNode": node, "BodyNumber": number, "Displacement": [0.003, -0.002, 0.004]}
+        settings = {"ActiveNode": node, "BodyNumber": number,
+                    "Displacement": [0.003, -0.002, 0.004]}
         first, second = (fetch(TouchStateSpace(Input=of, **settings)) for of in (space, again))
         assert (places(first) == places(second)).all()
         assert (field(first, "Force") == field(second, "Force")).all()
