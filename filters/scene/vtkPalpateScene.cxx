@@ -334,7 +334,7 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(
   {
     AddBodyForce(grid, scene);
   }
-  if (scene.has_load())
+  if (atRest.u.size() > 0)
   {
     grid->GetPointData()->AddArray(vtkPalpateNodalArray(RestDisplacementName, atRest.u));
   }

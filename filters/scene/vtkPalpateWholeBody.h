@@ -39,7 +39,7 @@ PALPATESCENE_EXPORT palpate::Scene vtkPalpateShareScene(
 /// The same under a body force, m/s².
 PALPATESCENE_EXPORT palpate::Scene vtkPalpateShareScene(
   vtkUnstructuredGrid* body, palpate::Communicator& communicator, const palpate::Vec3& bodyForce);
-/// vtkPalpateSceneOfSpace, in the same way.
+/// The scene of the block Body of a state space, in the same way; without its rest.
 PALPATESCENE_EXPORT palpate::Scene vtkPalpateShareSceneOfSpace(
   vtkUnstructuredGrid* body, palpate::Communicator& communicator);
 /// The same with the rheology of each of its materials.

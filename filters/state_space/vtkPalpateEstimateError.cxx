@@ -18,6 +18,7 @@
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateStateSpace.h"
+#include "vtkPalpateStateSpaceArrays.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 
@@ -25,10 +26,10 @@ namespace
 {
 constexpr double Nothing = std::numeric_limits<double>::quiet_NaN();
 
-/// The key of a configuration: active node and check-point.
-using Key = std::tuple<palpate::Index, int, int, int>;
+/// The key of a configuration: active node, check-point and body.
+using Key = std::tuple<palpate::Index, int, int, int, int>;
 
-/// The errors at the first levels, as rows of active node, check-point and error.
+/// The errors at the first levels, as rows of active node, check-point, body and error.
 std::vector<double> Estimate(const palpate::TouchSpace& space)
 {
   std::vector<double> rows;
@@ -41,7 +42,8 @@ std::vector<double> Estimate(const palpate::TouchSpace& space)
       const auto& [x, y, z] = toolSpace.configurations[i].check_point;
       rows.insert(rows.end(),
         { static_cast<double>(toolSpace.setup.interaction.active_node), static_cast<double>(x),
-          static_cast<double>(y), static_cast<double>(z), errors[i] });
+          static_cast<double>(y), static_cast<double>(z), static_cast<double>(toolSpace.setup.body),
+          errors[i] });
     }
   }
   return rows;
@@ -59,9 +61,10 @@ std::map<Key, double> Share(std::vector<double> rows, vtkMultiProcessController*
   }
   std::map<Key, double> estimates;
   const auto integer = [&rows](std::size_t i) { return static_cast<int>(rows[i]); };
-  for (std::size_t i = 0; i < rows.size(); i += 5)
+  for (std::size_t i = 0; i < rows.size(); i += 6)
   {
-    estimates.emplace(Key(integer(i), integer(i + 1), integer(i + 2), integer(i + 3)), rows[i + 4]);
+    estimates.emplace(
+      Key(integer(i), integer(i + 1), integer(i + 2), integer(i + 3), integer(i + 4)), rows[i + 5]);
   }
   return estimates;
 }
@@ -75,12 +78,15 @@ void AddErrors(const std::map<Key, double>& estimates, vtkDataSet* partition,
   vtkPointData* arrays = copy->GetPointData();
   const auto get = [&](const char* name, vtkIdType i, int component = 0)
   { return static_cast<int>(arrays->GetArray(name)->GetComponent(i, component)); };
+  const bool hasBodies = arrays->HasArray(vtkPalpateStateSpaceArrays::BodyNumber) != 0;
   vtkNew<vtkDoubleArray> errors;
   errors->SetName("EstimatedError");
   for (vtkIdType i = 0; i < copy->GetNumberOfPoints(); ++i)
   {
+    const int body = hasBodies ? get(vtkPalpateStateSpaceArrays::BodyNumber, i)
+                               : static_cast<int>(palpate::kFirstBody);
     const auto found = estimates.find(Key(get("ActiveNode", i), get("CheckPoint", i),
-      get("CheckPoint", i, 1), get("CheckPoint", i, 2)));
+      get("CheckPoint", i, 1), get("CheckPoint", i, 2), body));
     errors->InsertNextValue(
       get("Level", i) == 0 && found != estimates.end() ? found->second : Nothing);
   }

@@ -437,6 +437,12 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
         this->Last->ShallowCopy(output);
       }
     };
+    // The file may have bodies that the input has not.
+    const std::size_t numBodies = vtkPalpateNumberOfBodies(result.bodies, communicator);
+    if (numBodies > 1)
+    {
+      vtkPalpateNameBlocks(output, this->IntermediateStates > 0, numBodies);
+    }
     if (communicator.rank() != 0)
     {
       keep();

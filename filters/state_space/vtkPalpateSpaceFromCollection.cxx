@@ -357,10 +357,7 @@ std::vector<vtkSmartPointer<Data>> FindBlock(
   std::vector<vtkSmartPointer<Data>> pieces;
   for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
   {
-    const char* own = collection->HasMetaData(i)
-      ? collection->GetMetaData(i)->Get(vtkCompositeDataSet::NAME())
-      : nullptr;
-    if (!own || own != name)
+    if (BlockName(collection, i) != name)
     {
       continue;
     }
@@ -414,8 +411,7 @@ std::vector<vtkSmartPointer<vtkUnstructuredGrid>> GatherBodies(
   {
     for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
     {
-      if (collection->HasMetaData(i) &&
-        name == collection->GetMetaData(i)->Get(vtkCompositeDataSet::NAME()))
+      if (BlockName(collection, i) == name)
       {
         return true;
       }

@@ -2,6 +2,7 @@
 #include "vtkPalpateStateSpace.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <type_traits>
@@ -9,6 +10,8 @@
 #include <vector>
 
 #include "base/memory_error.h"
+#include "schedule/communicator.h"
+#include "schedule/packing.h"
 #include "storage/schema.h"
 #include "vtkCellArray.h"
 #include "vtkDoubleArray.h"
@@ -412,6 +415,15 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
 
 }
 
+std::string vtkPalpateStateSpaceArrays::BlockName(
+  vtkPartitionedDataSetCollection* collection, unsigned int block)
+{
+  const char* name = collection->HasMetaData(block)
+    ? collection->GetMetaData(block)->Get(vtkCompositeDataSet::NAME())
+    : nullptr;
+  return name ? name : "";
+}
+
 void vtkPalpateNameBlocks(
   vtkPartitionedDataSetCollection* output, bool hasIntermediateStates, std::size_t numBodies)
 {
@@ -459,17 +471,29 @@ void vtkPalpateFillCollection(const std::vector<palpate::SpaceBody>& bodies, Tou
   AddSpaceFields(space, configurations->GetFieldData());
   output->SetPartition(1, 0, SurfaceData(space));
   output->SetPartition(2, 0, configurations);
-  const bool hasStates = vtkPalpateHasIntermediateStates(space);
-  if (hasStates)
+  if (vtkPalpateHasIntermediateStates(space))
   {
     output->SetPartition(3, 0, IntermediateStateData(space));
   }
-  for (std::size_t b = 0; b < bodies.size(); ++b)
+  for (unsigned int i = 0; i < output->GetNumberOfPartitionedDataSets(); ++i)
   {
-    const std::size_t block = b == 0 ? 0 : b + (hasStates ? 3 : 2);
-    output->SetPartition(static_cast<unsigned int>(block), 0,
-      vtkPalpateGridFromScene(*bodies[b].scene, bodies[b].at_rest));
+    for (const palpate::SpaceBody& body : bodies)
+    {
+      if (BlockName(output, i) == BodyBlockName(body.number))
+      {
+        output->SetPartition(i, 0, vtkPalpateGridFromScene(*body.scene, body.at_rest));
+      }
+    }
   }
+}
+
+std::size_t vtkPalpateNumberOfBodies(
+  const std::vector<palpate::SpaceBody>& bodies, palpate::Communicator& communicator)
+{
+  palpate::Packer mine;
+  mine.put(static_cast<std::int64_t>(bodies.size()));
+  const std::vector<palpate::Bytes> all = communicator.all_gather(mine.take());
+  return static_cast<std::size_t>(palpate::Unpacker(all.front()).take<std::int64_t>());
 }
 
 bool vtkPalpateHasIntermediateStates(const TouchSpace& space)

@@ -5,8 +5,7 @@
 //   `Body`            vtkUnstructuredGrid   the first body at rest, see vtkPalpateScene.h
 //   `Surface`         vtkPolyData           the surface at rest that is shown
 //   `Configurations`  vtkPolyData           a vertex for each configuration, at the displaced
-//   active
-//                                           node, and a line for each transition
+//                                           active node, and a line for each transition
 //   `IntermediateStates`  vtkPolyData       where a space has them: a vertex for each, at the
 //                                           displaced active node
 //   `Body2`, …        vtkUnstructuredGrid   the further bodies, of a space of several
@@ -71,10 +70,20 @@ class vtkFieldData;
 class vtkMultiProcessController;
 class vtkPartitionedDataSetCollection;
 
+namespace palpate
+{
+class Communicator;
+}
+
 /// Names the blocks of an empty collection, which must be the same on every rank: three, a fourth
 /// one for intermediate states, and one for each further body.
 PALPATESTATESPACE_EXPORT void vtkPalpateNameBlocks(
   vtkPartitionedDataSetCollection* output, bool hasIntermediateStates, std::size_t numBodies = 1);
+
+/// The number of bodies that rank 0 has, on all ranks.
+/// @note Collective.
+PALPATESTATESPACE_EXPORT std::size_t vtkPalpateNumberOfBodies(
+  const std::vector<palpate::SpaceBody>& bodies, palpate::Communicator& communicator);
 
 PALPATESTATESPACE_EXPORT bool vtkPalpateHasIntermediateStates(const palpate::TouchSpace& space);
 

@@ -9,6 +9,8 @@
 #include "base/types.h"
 #include "state_space/tool_space_key.h"
 
+class vtkPartitionedDataSetCollection;
+
 namespace vtkPalpateStateSpaceArrays
 {
 constexpr const char* BlockNames[] = { "Body", "Surface", "Configurations", "IntermediateStates" };
@@ -21,6 +23,9 @@ constexpr const char* LevelsReached = "LevelsReached";
 constexpr const char* BodyNumber = "BodyNumber";
 constexpr const char* BodyNumbers = "BodyNumbers";
 constexpr const char* MaterialPoints = "MaterialPoints";
+
+/// The name of a block; empty if it has none.
+std::string BlockName(vtkPartitionedDataSetCollection* collection, unsigned int block);
 
 /// The name of the block of a body: "Body", "Body2", … A selector of blocks knows no spaces.
 inline std::string BodyBlockName(palpate::BodyId body)

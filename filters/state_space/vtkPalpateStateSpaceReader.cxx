@@ -2,7 +2,6 @@
 #include "vtkPalpateStateSpaceReader.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -10,7 +9,6 @@
 
 #include "base/error.h"
 #include "schedule/communicator.h"
-#include "schedule/packing.h"
 #include "state_space/touch_space.h"
 #include "storage/state_space_file.h"
 #include "storage/stored_touch_space.h"
@@ -50,19 +48,6 @@ bool vtkPalpateStateSpaceReader::GetNeedsUpdate()
   }
   vtkPalpateGoOn();
   return true;
-}
-
-namespace
-{
-/// The number of bodies that rank 0 has read.
-std::size_t NumberOnFirstRank(
-  const std::vector<palpate::SpaceBody>& bodies, palpate::Communicator& communicator)
-{
-  palpate::Packer mine;
-  mine.put(static_cast<std::int64_t>(bodies.size()));
-  const std::vector<palpate::Bytes> all = communicator.all_gather(mine.take());
-  return static_cast<std::size_t>(palpate::Unpacker(all.front()).take<std::int64_t>());
-}
 }
 
 int vtkPalpateStateSpaceReader::RequestData(
@@ -106,7 +91,7 @@ int vtkPalpateStateSpaceReader::RequestData(
       // The blocks are the same on every rank.
       vtkPalpateNameBlocks(output,
         palpate::any(communicator, vtkPalpateHasIntermediateStates(space)),
-        NumberOnFirstRank(bodies, communicator));
+        vtkPalpateNumberOfBodies(bodies, communicator));
       if (!reads)
       {
         return;

@@ -58,6 +58,8 @@ struct Frame
   int Contact = 0;
   int Found = 0;
   std::array<vtkIdType, MostNodes> Nodes{ -1, -1, -1 };
+  /// The bodies of the space on which these nodes are.
+  std::array<vtkIdType, MostNodes> Bodies{ 1, 1, 1 };
   std::array<double, MostNodes> Weights{};
   Vec3 Displacement = Vec3::Zero();
   Vec3 Place = Vec3::Zero();
@@ -135,7 +137,7 @@ public:
         " is not of a state space: a reduced model was touched, or nothing. Give Simulate Touch "
         "the recorded displacements of the tools of a reduced model as a table, as its page says.");
     }
-    if (scene != sceneHash)
+    if (!palpate::is_same_space(scene, sceneHash))
     {
       throw palpate::InputError(this->FileName +
         " is a recording of another body. Connect the state space that was touched.");
@@ -161,6 +163,11 @@ public:
     {
       const std::string place = "_" + std::to_string(k);
       frame.Nodes[k] = this->Integer("node" + place, i);
+      // Recordings of earlier versions have one body.
+      if (this->Table->GetColumnByName(("body" + place).c_str()))
+      {
+        frame.Bodies[k] = this->Integer("body" + place, i);
+      }
       frame.Weights[k] = this->Number("weight" + place, i);
     }
     const bool touches = frame.Contact == Attached || frame.Contact == Pressing;
@@ -284,8 +291,8 @@ struct vtkPalpateReplayTouch::Replay
   vtkNew<vtkPalpateTouchStateSpace> Touch;
   std::string SceneHash;
   bool HasRigidTool = false;
-  /// The tool's surface around its middle; by active node, −1: the rigid tool.
-  std::map<vtkIdType, vtkSmartPointer<vtkPolyData>> Shapes;
+  /// The tool's surface around its middle; by body and active node, −1: the rigid tool.
+  std::map<std::pair<vtkIdType, vtkIdType>, vtkSmartPointer<vtkPolyData>> Shapes;
 
   /// Reads the recording, on rank 0, if it is another one than before. @note Collective.
   void Read(const std::string& fileName, vtkMultiProcessController* controller,
@@ -332,7 +339,8 @@ struct vtkPalpateReplayTouch::Replay
     {
       const palpate::InteractionSpec& interaction = toolSpace.setup.interaction;
       const vtkIdType node = interaction.presses() ? -1 : interaction.active_node;
-      this->Shapes[node] = vtkPalpateToolSurface(interaction.shown_shape());
+      this->Shapes[{ toolSpace.setup.body, node }] =
+        vtkPalpateToolSurface(interaction.shown_shape());
     }
     this->Touch->SetInputDataObject(input);
     this->InputTime = input->GetMTime();
@@ -341,30 +349,37 @@ struct vtkPalpateReplayTouch::Replay
   /// The surface of the body in a frame. @note Collective.
   void MakeSurface(const Frame& frame, vtkMultiProcessController* controller, vtkPolyData* output)
   {
-    std::vector<std::pair<vtkIdType, double>> moved;
+    struct Moved
+    {
+      vtkIdType Node = -1;
+      vtkIdType Body = 1;
+      double Weight = 0;
+    };
+    std::vector<Moved> moved;
     for (int k = 0; k < MostNodes && frame.Contact == Attached; ++k)
     {
       if (frame.Weights[k] != 0)
       {
-        moved.emplace_back(frame.Nodes[k], frame.Weights[k]);
+        moved.push_back({ frame.Nodes[k], frame.Bodies[k], frame.Weights[k] });
       }
     }
     if (moved.empty())
     {
-      moved.emplace_back(-1, frame.Contact == Pressing ? 1 : 0);
+      moved.push_back({ -1, 1, frame.Contact == Pressing ? 1.0 : 0.0 });
     }
     int number = static_cast<int>(moved.size());
     if (controller && controller->GetNumberOfProcesses() > 1)
     {
       controller->Broadcast(&number, 1, 0);
     }
-    moved.resize(static_cast<std::size_t>(number), { -1, 0 });
+    moved.resize(static_cast<std::size_t>(number));
     vtkNew<vtkFloatArray> total;
     total->SetName(vtkPalpateArray::Displacement);
     total->SetNumberOfComponents(3);
-    for (const auto& [node, weight] : moved)
+    for (const auto& [node, body, weight] : moved)
     {
       this->Touch->SetActiveNode(node);
+      this->Touch->SetBodyNumber(body);
       const Vec3 displacement = frame.Contact == Attached ? frame.Displacement : Vec3(0, 0, 0);
       this->Touch->SetDisplacement(displacement[0], displacement[1], displacement[2]);
       this->Touch->SetStartDisplacement(displacement[0], displacement[1], displacement[2]);
@@ -529,8 +544,9 @@ int vtkPalpateReplayTouch::RequestData(
       }
       auto* tool = vtkPolyData::GetData(outputVector, ToolPort);
       auto* force = vtkPolyData::GetData(outputVector, ForcePort);
-      const auto shape = replay.Shapes.find(
-        frame.Contact == Attached || !replay.HasRigidTool ? frame.Nodes[0] : vtkIdType(-1));
+      const bool isHeld = frame.Contact == Attached || !replay.HasRigidTool;
+      const auto shape = replay.Shapes.find(isHeld ? std::pair(frame.Bodies[0], frame.Nodes[0])
+                                                   : std::pair(vtkIdType(1), vtkIdType(-1)));
       MoveTo(
         tool, (shape == replay.Shapes.end() ? replay.Shapes.begin() : shape)->second, frame.Place);
       MakeForce(force, frame);

@@ -59,7 +59,17 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node, palpate::B
   }
   if (node == -1)
   {
-    return space.tool_spaces.front();
+    const auto found = std::find_if(space.tool_spaces.begin(), space.tool_spaces.end(),
+      [&](const TouchToolSpace& of) { return of.setup.body == body; });
+    const TouchToolSpace& first =
+      found == space.tool_spaces.end() ? space.tool_spaces.front() : *found;
+    if (first.setup.presses() && first.setup.body != palpate::kFirstBody)
+    {
+      throw palpate::InputError("What a rigid tool does is shown on the first body of a space, and "
+                                "not on body " +
+        std::to_string(first.setup.body) + ". Set BodyNumber to 1, or name an active node.");
+    }
+    return first;
   }
   const auto index = static_cast<palpate::Index>(node);
   if (const TouchToolSpace* toolSpace = space.find({ index, body }); toolSpace && index == node)
@@ -133,16 +143,9 @@ Eigen::VectorXf BySurfaceModes(
 /// The parts that need more than the surface.
 struct WholeBodyOf
 {
-  WholeBodyOf(const TouchSpace& space, palpate::BodyId body)
-    : Fields(space.file, space.scene_hash)
+  WholeBodyOf(const TouchSpace& space, palpate::BodyId body, const palpate::FieldCache& fields)
+    : Body(fields.read_body(body))
   {
-    if (space.file.empty())
-    {
-      throw palpate::InputError("Stress, the whole body and what a rigid tool does to the surface "
-                                "need the displacement of every point, which is kept in a file "
-                                "alone: give Precompute State Space a FileName.");
-    }
-    this->Body = this->Fields.read_body(body);
     this->Rest = vtkPalpateGridFromScene(*this->Body.scene, this->Body.at_rest);
     const TouchToolSpace* pressing = space.find_pressing();
     if (pressing && pressing->setup.body == body)
@@ -153,7 +156,6 @@ struct WholeBodyOf
     }
   }
 
-  palpate::FieldCache Fields;
   palpate::SpaceBody Body;
   vtkSmartPointer<vtkUnstructuredGrid> Rest;
   /// The contact of the tool that presses, and its tool space.
@@ -202,8 +204,10 @@ struct vtkPalpateTouchStateSpace::Prepared
   /// The branch that was asked for: its tool space and its number.
   palpate::ToolSpaceKey Key;
   int OnBranch = 0;
-  /// The whole body, as long as it is asked for.
-  std::unique_ptr<WholeBodyOf> Whole;
+  /// The whole bodies and their fields, as long as they are asked for, and the one that is touched.
+  std::unique_ptr<palpate::FieldCache> Fields;
+  std::map<palpate::BodyId, WholeBodyOf> WholeBodies;
+  WholeBodyOf* Whole = nullptr;
   /// The reason why there is no whole body, as it was reported.
   std::string Problem;
 
@@ -274,10 +278,20 @@ void vtkPalpateTouchStateSpace::FindWholeBody(
     throw palpate::InputError("Stress is shown where the first body of a space is touched, and " +
       toolSpace.setup.name() + " is on another one. Turn Stress off, or set BodyNumber to 1.");
   }
-  if (!cache.Whole || cache.Whole->Body.number != body)
+  if (!cache.Fields)
   {
-    cache.Whole = std::make_unique<WholeBodyOf>(cache.Space, body);
+    if (cache.Space.file.empty())
+    {
+      throw palpate::InputError("Stress, the whole body and what a rigid tool does to the surface "
+                                "need the displacement of every point, which is kept in a file "
+                                "alone: give Precompute State Space a FileName.");
+    }
+    cache.Fields = std::make_unique<palpate::FieldCache>(cache.Space.file, cache.Space.scene_hash);
   }
+  const auto known = cache.WholeBodies.find(body);
+  cache.Whole = known != cache.WholeBodies.end()
+    ? &known->second
+    : &cache.WholeBodies.try_emplace(body, cache.Space, body, *cache.Fields).first->second;
   WholeBodyOf& whole = *cache.Whole;
   auto& field = cache.Branches[{ cache.Key, cache.OnBranch }].BodyField;
   if (!field)
@@ -290,7 +304,7 @@ void vtkPalpateTouchStateSpace::FindWholeBody(
   const palpate::Keep needed = this->WholeBody ? palpate::Keep::all
     : this->Stress                             ? palpate::Keep::surface
                                                : palpate::Keep::touch;
-  field->evaluate(palpate::Vec3(t), whole.Fields, needed, whole.Displacement, whole.Pressure);
+  field->evaluate(palpate::Vec3(t), *cache.Fields, needed, whole.Displacement, whole.Pressure);
   if (whole.Displacement.size() == 0)
   {
     whole.Displacement.setZero(3 * static_cast<Eigen::Index>(whole.Body.mesh().num_points()));
@@ -425,7 +439,9 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   std::string problem;
   if (!needsBody)
   {
-    this->Cache->Whole.reset();
+    this->Cache->Whole = nullptr;
+    this->Cache->WholeBodies.clear();
+    this->Cache->Fields.reset();
   }
   // Touching goes on without this part. As there are many frames a second, the failure is reported
   // once.

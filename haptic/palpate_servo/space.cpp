@@ -47,6 +47,8 @@ StartPlace chosen_place(const TouchSpace& space, const Touchable& body, const Co
   }
   std::string active;
   for (const Touchable::Node& node : body.nodes()) {
+    // The option names nodes of the first body.
+    if (node.body != kFirstBody) continue;
     if (active.size() > 60) {
       active += ", …";
       break;
@@ -186,7 +188,7 @@ int replay_space(CommandLine line, const StateSpaceFile& file) {
                      "a replay cannot step again. Give a recording of a state space.");
   }
   const auto body = std::make_shared<const Touchable>(read_space(file), line.touchable);
-  if (body->scene_hash() != setup.scene_hash) {
+  if (!is_same_space(body->scene_hash(), setup.scene_hash)) {
     throw InputError("The recording " + line.replay + " is of another scene than " + line.space +
                      ". Give the state space that was touched.");
   }

@@ -15,8 +15,9 @@ struct Name {
   std::string_view what;
   std::string_view part = {};
   std::string_view unit = {};
-  /// Older recordings lack this column; its value is then the default.
-  bool is_newer = false;
+  /// The first version of recordings that has this column or setting. In older ones its value is
+  /// the default.
+  int version = 1;
 
   /// The whole name, such as "force_x_N".
   [[nodiscard]] std::string text() const {
@@ -90,8 +91,12 @@ void visit_columns(Record& record, Visit&& visit) {
   }
   visit(Name{"sent"}, record.sent);
   visit(Name{"write_failed"}, record.write_failed);
-  visit(Name{"trust", {}, {}, true}, record.tick.contact.trust);
+  visit(Name{"trust", {}, {}, 2}, record.tick.contact.trust);
+  for (std::size_t k = 0; k < 3; ++k) visit(Name{"body", kPlaces[k], {}, 3}, contact.bodies[k]);
 }
+
+/// The version of the recordings that are written.
+inline constexpr int kVersion = 3;
 
 /// The name of the last column.
 inline constexpr std::string_view kSettings = "settings";
@@ -102,7 +107,7 @@ void visit_settings(Record& record, Visit&& visit) {
   auto& servo = record.settings;
   visit(Name{"engaged"}, servo.engaged);
   visit(Name{"dead_man_button"}, servo.dead_man_button);
-  visit(Name{"grasp_button", {}, {}, true}, servo.grasp_button);
+  visit(Name{"grasp_button", {}, {}, 2}, servo.grasp_button);
   visit_vector("workspace_centre", "m", servo.workspace_centre, visit);
   visit_matrix("workspace_rotation", {}, servo.workspace_rotation, visit);
   visit(Name{"workspace_scale"}, servo.workspace_scale);
@@ -117,7 +122,7 @@ void visit_settings(Record& record, Visit&& visit) {
   visit(Name{"release_force", "N"}, touch.release_force);
   visit(Name{"reach", "m"}, touch.reach);
   visit(Name{"coupling_stiffness", "N_per_m"}, touch.coupling_stiffness);
-  visit(Name{"friction", {}, {}, true}, touch.friction);
+  visit(Name{"friction", {}, {}, 2}, touch.friction);
 }
 
 /// Calls visit for each setting that stays as it is during a recording.

@@ -48,11 +48,11 @@ class Cells {
   std::vector<std::string> cells_;
 };
 
-std::vector<std::string> column_names(bool with_newer) {
+std::vector<std::string> column_names(int version) {
   std::vector<std::string> names;
   const TickRecord any;
   recording::visit_columns(any, [&](const recording::Name& name, const auto&) {
-    if (with_newer || !name.is_newer) names.push_back(name.text());
+    if (name.version <= version) names.push_back(name.text());
   });
   names.emplace_back(recording::kSettings);
   return names;
@@ -62,10 +62,9 @@ std::vector<std::string> column_names(bool with_newer) {
 
 struct RecordingReader::Impl {
   explicit Impl(const std::filesystem::path& path)
-      : name(quoted(path)), stream(open_to_read(path)), names(column_names(true)) {
+      : name(quoted(path)), stream(open_to_read(path)), names(column_names(version)) {
     const bool has_header = read_cells();
-    has_newer = has_header && cells.cells() == names;
-    if (!has_newer) names = column_names(false);
+    while (has_header && version > 1 && cells.cells() != names) names = column_names(--version);
     if (!has_header || cells.cells() != names) {
       throw InputError(name +
                        " is no recording, or of another version: its first row does not name"
@@ -99,7 +98,7 @@ struct RecordingReader::Impl {
     }
     std::size_t column = 0;
     recording::visit_columns(record, [&](const recording::Name& what, auto& value) {
-      if (what.is_newer && !has_newer) return;
+      if (what.version > version) return;
       if (!recording::parse(texts[column], value)) {
         throw error('"' + printable(texts[column]) + "\" is no value of the column " +
                     names[column]);
@@ -125,7 +124,7 @@ struct RecordingReader::Impl {
       std::size_t begin = text.rfind(key, 0);
       if (begin == text.npos) {
         begin = text.find(';' + key);
-        if (begin == text.npos && what.is_newer) return;
+        if (begin == text.npos && what.version > 1) return;
         if (begin == text.npos) {
           throw error("its settings lack " + what.text() +
                       (row == 2 ? ", and the first row of ticks has to have all of them; the "
@@ -159,9 +158,9 @@ struct RecordingReader::Impl {
 
   std::string name;
   std::ifstream stream;
+  /// The version of the recording.
+  int version = recording::kVersion;
   std::vector<std::string> names;
-  /// Whether the recording has the columns that were added later.
-  bool has_newer = false;
   Cells cells;
   std::string line;
   /// The number of the last row that was read; the header is 1.

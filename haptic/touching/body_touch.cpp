@@ -6,6 +6,7 @@
 
 #include "haptic/touching/bonded_touch.h"
 #include "haptic/touching/pressing_touch.h"
+#include "state_space/space_hash.h"
 
 namespace palpate {
 
@@ -15,7 +16,7 @@ BodyTouch::BodyTouch(std::shared_ptr<const Touchable> body) : body_(std::move(bo
 
 bool BodyTouch::take_over(const Touch& before) noexcept {
   const auto* of_body = dynamic_cast<const BodyTouch*>(&before);
-  if (of_body == nullptr || of_body->body_->scene_hash() != body_->scene_hash()) {
+  if (of_body == nullptr || !is_same_space(of_body->body_->scene_hash(), body_->scene_hash())) {
     release();
     return false;
   }

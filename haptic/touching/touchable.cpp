@@ -56,8 +56,10 @@ void Touchable::take(const TouchToolSpace& tool_space, const TouchSpace& space,
                      const std::vector<CheckPoint>& changed) {
   if (tool_space.setup.presses()) {
     if (&tool_space != space.find_pressing()) return;
+    const bool grows = force_on_tool_ != nullptr && body_of_tool_ == tool_space.setup.body;
     force_on_tool_ = make_interpolator(options_.method, tool_space, options_.interpolation,
-                                       force_on_tool_.get(), changed);
+                                       grows ? force_on_tool_.get() : nullptr, changed);
+    body_of_tool_ = tool_space.setup.body;
     tool_half_width_ = tool_space.setup.interaction.touching_radius();
     return;
   }
@@ -108,6 +110,9 @@ void Touchable::take(const TouchToolSpace& tool_space, const TouchSpace& space,
 
 Index Touchable::nearest_shown(const Vec3& place) const {
   const SurfaceTree::Nearest nearest = surface_->nearest(place);
+  if (nearest.triangle < 0) {
+    throw InputError("An active node of the state space has no place. Compute the space again.");
+  }
   Eigen::Index corner = 0;
   nearest.weights.maxCoeff(&corner);
   return surface_->points_of(nearest.triangle)[static_cast<std::size_t>(corner)];

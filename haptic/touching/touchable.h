@@ -88,6 +88,8 @@ class Touchable {
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_;
   std::shared_ptr<const Interpolator> force_on_tool_;
+  /// The body that the rigid tool presses.
+  BodyId body_of_tool_ = kFirstBody;
   double tool_half_width_ = 0;
   double largest_stiffness_ = 0;
   double largest_tip_radius_ = 0;

@@ -384,8 +384,11 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSet
     solver = std::make_unique<EquilibriumSolver>(scene, of_solver,
                                                  choose_tangent_solver(scene, threads));
   });
+  // The caller's scene outlives this call.
   const std::vector<SpaceBody> bodies{
-      make_space_body(scene, settle(scene, *solver, options.file, communicator))};
+      {kFirstBody, std::shared_ptr<const Scene>(std::shared_ptr<void>(), &scene),
+       options.file.empty() ? std::string() : hash(scene),
+       settle(scene, *solver, options.file, communicator)}};
   const SpaceBody& body = bodies.front();
   InteractionFactory tools(scene.body, body.at_rest);
   Packer drawn;

@@ -21,8 +21,4 @@ struct Organ {
   [[nodiscard]] bool has_body_force() const { return !body_force.isZero(0); }
 };
 
-[[nodiscard]] inline bool operator==(const Organ& a, const Organ& b) {
-  return a.materials == b.materials && a.densities == b.densities && a.body_force == b.body_force;
-}
-
 }  // namespace palpate

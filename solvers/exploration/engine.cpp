@@ -83,13 +83,14 @@ Engine::Engine(const std::vector<PlannedSpace>& spaces, StateSolver& solver, Rec
   }
 }
 
-void Engine::plan_anew() {
+void Engine::plan_anew(const ToolSpaceKey& tool_space) {
   begin_ = Begin::plan;
-  for (auto& [id, owned] : owned_) {
-    owned.strategy = space(id).plan->make_strategy(rank_, num_ranks_);
-    owned.num_expected = 0;
-    for (const ConfigurationSummary& c : owned.known) owned.strategy->recall(c);
-  }
+  const auto found = owned_.find(tool_space);
+  if (found == owned_.end()) return;
+  Owned& owned = found->second;
+  owned.strategy = space(tool_space).plan->make_strategy(rank_, num_ranks_);
+  owned.num_expected = 0;
+  for (const ConfigurationSummary& c : owned.known) owned.strategy->recall(c);
 }
 
 void Engine::steer(Steering steering) {
@@ -513,7 +514,7 @@ void Engine::work(Mail& mail) {
   if (!current_->targets.empty()) {
     queue_.push(std::move(*current_));
   } else if (start != nullptr) {
-    solver_.forget(*start);
+    solver_.forget(setup_of(id), *start);
   }
   current_.reset();
   if (!summary.usable()) return;  // without a state nothing follows from it
@@ -522,7 +523,7 @@ void Engine::work(Mail& mail) {
   next.start = summary;
   for (const CheckPoint& p : space(id).plan->following(summary)) next.targets.push_back({p});
   const auto state = std::make_shared<const Equilibrium>(to_equilibrium(std::move(found)));
-  if (next.targets.empty()) return solver_.forget(*state);
+  if (next.targets.empty()) return solver_.forget(setup_of(id), *state);
   next.state = state;
   queue_.push(std::move(next));
 }
@@ -576,7 +577,7 @@ std::vector<IntermediateState> Engine::make_way(const Batch& batch,
     const double share = static_cast<double>(number) / (setup.policy.intermediate_states + 1);
     const Eigen::VectorXd t = start.t + share * (found.t - start.t);
     const Equilibrium between = solver_.solve(setup, t, start, Tangent::rough);
-    if (between.outcome == Outcome::converged) solver_.forget(between);
+    if (between.outcome == Outcome::converged) solver_.forget(setup, between);
     IntermediateState& state = way.emplace_back();
     state.target = found.check_point;
     state.number = number;

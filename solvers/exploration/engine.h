@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The engine makes, on all ranks, the transitions that the strategies ask for.
 //
-// Each tool space has an owner rank, which follows from a hash of its number, and the owner has the
+// Each tool space has an owner rank, which follows from a hash of its key, and the owner has the
 // strategy. If the plan is spread, each check-point has an owner rank of its own, which knows of
 // that check-point alone. A rank that finds a configuration keeps it in its record, tells the
 // owner, and goes on depth first with the targets that follow from it. So the start still has its
@@ -43,7 +43,7 @@ namespace palpate {
 class Engine final : public Worker {
  public:
   /// All arguments must outlive the engine.
-  /// @param spaces The tool spaces, ordered by their numbers. Their plans may change between two
+  /// @param spaces The tool spaces, ordered by their keys. Their plans may change between two
   ///   runs, see plan_anew().
   /// @param network The network of the scheduler that runs the engine.
   /// @param report The engine adds the work of this rank, and the figures of the tool spaces that
@@ -51,8 +51,8 @@ class Engine final : public Worker {
   Engine(const std::vector<PlannedSpace>& spaces, StateSolver& solver, Record& record,
          const Network& network, Monitor& monitor, PrecomputeReport& report);
 
-  /// Begins another round, with the plans that the spaces have now.
-  void plan_anew();
+  /// Begins another round of a tool space, with the plan that it has now.
+  void plan_anew(const ToolSpaceKey& tool_space);
   /// The check-points of a spread tool space that this rank owns and that were found or given up.
   /// Call this between runs.
   [[nodiscard]] const std::vector<ConfigurationSummary>& known_here(ToolSpaceKey tool_space) const {
@@ -157,9 +157,9 @@ class Engine final : public Worker {
   /// @param with_state Also packs the state of the start, for a rank whose record does not have it.
   void pack(Batch& batch, bool with_state, Packer& message);
   [[nodiscard]] Batch unpack(Unpacker& message) const;
-  /// Take from a message the number of a tool space, the number of one that this rank owns, or a
+  /// Take from a message the key of a tool space, the key of one that this rank owns, or a
   /// part of it, and a configuration.
-  /// @throws BackendError there is none with that number, or the configuration is not of its grid.
+  /// @throws BackendError there is none with that key, or the configuration is not of its grid.
   [[nodiscard]] ToolSpaceKey take_space(Unpacker& content) const;
   [[nodiscard]] ToolSpaceKey take_owned_space(Unpacker& content) const;
   [[nodiscard]] ConfigurationSummary take_summary(Unpacker& content, ToolSpaceKey tool_space) const;

@@ -86,7 +86,7 @@ ExplorationEstimate estimate_exploration(const Scene& scene, const PrecomputeOpt
   // The mesh stands for the body at rest.
   const SpaceBody body{
       kFirstBody, std::shared_ptr<const Scene>(std::shared_ptr<void>(), &scene), {}, {}};
-  InteractionFactory tools(scene.body);
+  InteractionFactory tools(scene.body, {});
   std::vector<PlannedSpace> spaces = plan_spaces(body, options, tools);
   require_few_enough(options, spaces);
   ExplorationEstimate all = estimate_exploration(options, spaces, cost, num_ranks);

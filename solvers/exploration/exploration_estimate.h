@@ -25,6 +25,18 @@ struct ExplorationEstimate {
   double seconds = 0;
   double bytes_per_rank = 0;
   double file_bytes = 0;
+
+  /// The estimate of both together, for bodies whose solvers are in memory at the same time.
+  [[nodiscard]] friend ExplorationEstimate operator+(ExplorationEstimate a,
+                                                     const ExplorationEstimate& b) {
+    a.num_unknowns += b.num_unknowns;
+    a.num_configurations += b.num_configurations;
+    a.num_free += b.num_free;
+    a.seconds += b.seconds;
+    a.bytes_per_rank += b.bytes_per_rank;
+    a.file_bytes += b.file_bytes;
+    return a;
+  }
 };
 
 /// @param spaces The spaces that plan_spaces() has made for these options.

@@ -44,8 +44,8 @@ struct PlannedSpace {
   std::shared_ptr<const ExplorationPlan> plan;
 };
 
-/// Whether any of the spaces has a number, and the space that has it. The spaces must be ordered by
-/// their numbers.
+/// Whether any of the spaces has a key, and the space that has it. The spaces must be ordered by
+/// their keys.
 [[nodiscard]] bool has_space(const std::vector<PlannedSpace>& spaces, ToolSpaceKey tool_space);
 [[nodiscard]] const PlannedSpace& find_space(const std::vector<PlannedSpace>& spaces,
                                              ToolSpaceKey tool_space);

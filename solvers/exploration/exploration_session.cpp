@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/error.h"
 #include "base/memory_error.h"
 #include "base/own_seconds.h"
 #include "equilibrium/equilibrium.h"
@@ -18,6 +19,7 @@
 #include "exploration/settle.h"
 #include "exploration/shell_rounds.h"
 #include "interaction/interaction_spec.h"
+#include "storage/state_space_file.h"
 
 namespace palpate {
 namespace {
@@ -160,22 +162,30 @@ void ExplorationSession::Impl::plan(const std::vector<BodyOfRun>& asked) {
         // One tool presses all bodies, with one law of contact.
         options.contact->tool = with_defaults(options.contact->tool, *bodies.front().scene);
       }
+      const bool names_nodes = std::any_of(asked.begin(), asked.end(), [](const BodyOfRun& body) {
+        return !body.active_nodes.empty();
+      });
+      std::optional<ExplorationEstimate> estimate;
       for (const SpaceBody& body : bodies) {
-        const BodySolver& solver = solver_of(body.number);
+        BodySolver& solver = solver_of(body.number);
         PrecomputeOptions of_body = options;
         of_body.active_nodes =
             asked[static_cast<std::size_t>(body.number - kFirstBody)].active_nodes;
-        std::vector<PlannedSpace> planned =
-            plan_spaces(body, of_body, *solver_of(body.number).tools);
-        require_few_enough(of_body, planned);
+        // Where some bodies have active nodes, the others have none.
+        if (!options.contact && names_nodes && of_body.active_nodes.empty()) continue;
+        std::vector<PlannedSpace> planned = plan_spaces(body, of_body, *solver.tools);
         if (communicator.rank() == 0 && options.expects) {
           const SolveCost cost =
               measure_solve_cost(*body.scene, solver.name, options.equilibrium.threads);
-          options.expects(estimate_exploration(of_body, planned, cost, communicator.size()));
+          const ExplorationEstimate of_planned =
+              estimate_exploration(of_body, planned, cost, communicator.size());
+          estimate = estimate ? *estimate + of_planned : of_planned;
         }
         spaces.insert(spaces.end(), std::make_move_iterator(planned.begin()),
                       std::make_move_iterator(planned.end()));
       }
+      require_few_enough(options, spaces);
+      if (estimate) options.expects(*estimate);
     });
   });
 }
@@ -212,7 +222,13 @@ PrecomputeResult ExplorationSession::Impl::result_of(TouchSpace space,
   const ToolSpaceSetup& first = spaces.front().setup;
   const auto held = solver_of(first.body).tools->make(first.interaction)->prescribed_points();
   report.num_unknowns -= 3 * static_cast<Index>(held.size());
-  return {std::move(space), bodies, report, std::exchange(damaged, {})};
+  std::vector<SpaceBody> all = bodies;
+  if (!space.file.empty() && communicator.rank() == 0) {
+    // The file may have more bodies than the run, and the space has what the file has.
+    const StateSpaceFile file = StateSpaceFile::open_read_only(space.file);
+    if (file.list_bodies().size() > bodies.size()) all = file.read_bodies();
+  }
+  return {std::move(space), std::move(all), report, std::exchange(damaged, {})};
 }
 
 ExplorationSession::ExplorationSession(const std::vector<BodyOfRun>& bodies,

@@ -23,14 +23,17 @@ namespace palpate {
 /// A body of a run. All bodies of a run are of one organ.
 struct BodyOfRun {
   std::shared_ptr<const Scene> scene;
-  /// See PrecomputeOptions::active_nodes, which are those of a run of one body.
+  /// The points of its mesh that are touched. If all bodies of a run name none, and there is no
+  /// rigid tool, every touchable point of each of them. PrecomputeOptions::active_nodes, which are
+  /// those of a run of one body, are ignored here.
   std::vector<Index> active_nodes;
 };
 
 struct PrecomputeResult {
   /// The space on rank 0; empty elsewhere.
   TouchSpace space;
-  /// The bodies of the run, at rest under their loads.
+  /// The bodies of the run at rest under their loads; on rank 0, those of the space, which may have
+  /// more.
   std::vector<SpaceBody> bodies;
   /// The report is equal on every rank.
   PrecomputeReport report;

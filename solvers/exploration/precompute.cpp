@@ -143,6 +143,7 @@ void check_nodes(const std::vector<BodyOfRun>& bodies, const PrecomputeOptions& 
 PrecomputeOptions resolved(const std::vector<BodyOfRun>& bodies, const PrecomputeOptions& asked,
                            Communicator& communicator) {
   agree(communicator, [&] {
+    if (bodies.empty()) throw InputError("There is no body to explore. Give one at least.");
     validate(asked);
     validate_ranks_per_solve(asked, communicator.size());
     if (asked.ranks_per_solve > 1 && bodies.size() > 1) {
@@ -168,7 +169,7 @@ PrecomputeOptions resolved(const std::vector<BodyOfRun>& bodies, const Precomput
 
 }  // namespace
 
-std::unique_ptr<ExplorationSession> begin_exploration(std::vector<BodyOfRun> bodies,
+std::unique_ptr<ExplorationSession> begin_exploration(const std::vector<BodyOfRun>& bodies,
                                                       const PrecomputeOptions& asked,
                                                       Communicator& communicator,
                                                       const Progress& progress,
@@ -183,7 +184,7 @@ std::unique_ptr<ExplorationSession> begin_exploration(std::vector<BodyOfRun> bod
   return session;
 }
 
-PrecomputeResult precompute(std::vector<BodyOfRun> bodies, const PrecomputeOptions& asked,
+PrecomputeResult precompute(const std::vector<BodyOfRun>& bodies, const PrecomputeOptions& asked,
                             Communicator& communicator, const Progress& progress) {
   const SteadyClock::time_point start = SteadyClock::now();
   const PrecomputeOptions options = resolved(bodies, asked, communicator);

@@ -29,7 +29,7 @@ namespace palpate {
 ///   an option out of its range; more ranks for a solve than there are; bodies of several organs; a
 ///   file of another scene, or of a space with other settings, see StateSpaceFile::add_tool_space.
 /// @note Collective
-[[nodiscard]] PrecomputeResult precompute(std::vector<BodyOfRun> bodies,
+[[nodiscard]] PrecomputeResult precompute(const std::vector<BodyOfRun>& bodies,
                                           const PrecomputeOptions& options,
                                           Communicator& communicator, const Progress& progress);
 /// Does the same for one body, whose scene it copies.

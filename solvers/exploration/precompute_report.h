@@ -15,7 +15,8 @@ namespace palpate {
 struct PrecomputeReport {
   int num_ranks = 1;
   Index num_cells = 0;
-  /// The number of unknowns, without those that the tool of the first tool space prescribes.
+  /// The number of unknowns of all bodies, without those that the tool of the first tool space
+  /// prescribes.
   Index num_unknowns = 0;
   /// Configurations that were solved in this run, and those that the file had.
   std::int64_t num_solved = 0;

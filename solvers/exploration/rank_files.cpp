@@ -36,32 +36,40 @@ void RankFiles::open(const std::function<void(StateSpaceFile&)>& prepare) {
           "or move the other away, or give another file name.");
     }
     const bool was_there = fs::exists(path_);
+    for (const SpaceBody& body : bodies_) StateSpaceFile::require_size(*body.scene);
     const SpaceBody& first = bodies_.front();
     own_ = StateSpaceFile::open_or_create(path_, *first.scene, solver_tolerance_, first.at_rest);
-    add_bodies();
+    require_order();
     if (was_there) damaged_ = own_->remove_damaged();
     take_over();
-    prepare(*own_);
+    add_bodies(prepare);
   });
   agree(communicator_, [&] {
     if (communicator_.rank() == 0) return;
     own_ =
         StateSpaceFile::create(path_.string() + ".rank" + std::to_string(communicator_.rank()),
                                *bodies_.front().scene, solver_tolerance_, bodies_.front().at_rest);
-    add_bodies();
-    prepare(*own_);
+    add_bodies(prepare);
   });
 }
 
-void RankFiles::add_bodies() {
+void RankFiles::require_order() const {
+  BodyId next = own_->list_bodies().back() + 1;
   for (const SpaceBody& body : bodies_) {
     const std::optional<BodyId> there = own_->find_body(body.hash);
-    const BodyId number = there ? *there : own_->add_body(*body.scene, body.at_rest);
+    const BodyId number = there ? *there : next++;
     if (number == body.number) continue;
     throw InputError(quoted(path_) + " holds body " + std::to_string(body.number) +
                      " of this run as its body " + std::to_string(number) +
                      ". Give the bodies of the file in their order, or another file name.");
   }
+}
+
+void RankFiles::add_bodies(const std::function<void(StateSpaceFile&)>& prepare) {
+  own_->change_together([&] {
+    for (const SpaceBody& body : bodies_) own_->add_body(body);
+    prepare(*own_);
+  });
 }
 
 void RankFiles::merge() {

@@ -58,8 +58,10 @@ class RankFiles {
   [[nodiscard]] std::vector<std::filesystem::path> left_by_ranks(
       const std::string& ending = "") const;
   void take_over();
-  /// Adds the bodies of the run to the file of this rank.
-  void add_bodies();
+  /// @throws InputError the file has bodies of the run in another order.
+  void require_order() const;
+  /// Adds the bodies of the run to the file of this rank, and prepares it: both or nothing.
+  void add_bodies(const std::function<void(StateSpaceFile&)>& prepare);
 
   std::filesystem::path path_;
   const std::vector<SpaceBody>& bodies_;

@@ -49,7 +49,7 @@ bool ShellRounds::plan(Engine& engine, Communicator& communicator, PrecomputeRep
     if (graph->targets().empty()) return;
     take(*graph);
     space_.plan = std::move(graph);
-    engine.plan_anew();
+    engine.plan_anew(setup.key());
     report.num_rounds = ++num_rounds_;
     goes_on = true;
   });

@@ -40,9 +40,8 @@ class StateSolver {
                                             const Equilibrium& near, Keep /*kept*/) {
     return near;
   }
-  /// As EquilibriumSolver::forget(), for a state of the tool space that was solved for last. The
-  /// state may lack its fields as a start may.
-  virtual void forget(const Equilibrium& state) = 0;
+  /// As EquilibriumSolver::forget(). The state may lack its fields as a start may.
+  virtual void forget(const ToolSpaceSetup& setup, const Equilibrium& state) = 0;
 
  protected:
   StateSolver() = default;
@@ -71,7 +70,7 @@ class InteractionSolver final : public StateSolver {
   }
   [[nodiscard]] Equilibrium restore(const ToolSpaceSetup& setup, const Equilibrium& near,
                                     Keep kept) override;
-  void forget(const Equilibrium& state) override {
+  void forget(const ToolSpaceSetup& /*setup*/, const Equilibrium& state) override {
     if (has_fields(state)) solver_.forget(state);
   }
 
@@ -114,19 +113,14 @@ class SolverOfBodies final : public StateSolver {
                                     Keep kept) override {
     return solver_of(setup).restore(setup, near, kept);
   }
-  void forget(const Equilibrium& state) override {
-    if (last_ != nullptr) last_->forget(state);
+  void forget(const ToolSpaceSetup& setup, const Equilibrium& state) override {
+    solver_of(setup).forget(setup, state);
   }
 
  private:
-  StateSolver& solver_of(const ToolSpaceSetup& setup) {
-    last_ = solvers_.at(setup.body);
-    return *last_;
-  }
+  StateSolver& solver_of(const ToolSpaceSetup& setup) { return *solvers_.at(setup.body); }
 
   std::map<BodyId, StateSolver*> solvers_;
-  /// The solver of the tool space that was solved for last.
-  StateSolver* last_ = nullptr;
 };
 
 }  // namespace palpate

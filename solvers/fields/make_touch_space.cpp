@@ -61,11 +61,12 @@ void add_tool_space(const SpaceBody& body, const ShownSurface& shown, const Tool
   }
   add_clearance(body.scene->body, body.at_rest, added);
   const Eigen::Index rank = has_modes ? basis->modes.cols() : 0;
-  added.modes.resize(3 * Eigen::Index{space.surface.num_points()}, rank);
   const auto total = static_cast<Eigen::Index>(kept.size());
   added.coefficients.setZero(rank, total);
   added.coefficient_gradients.setZero(3 * rank, total);
-  if (has_modes) {
+  if (!has_modes) {
+    added.modes.resize(3 * Eigen::Index{space.surface.num_points()}, 0);
+  } else {
     added.modes = shown.carry(setup.body, basis->modes);
     for (Eigen::Index c = 0; c < total; ++c) {
       const ReducedFields* of = kept[static_cast<std::size_t>(c)];
@@ -133,7 +134,7 @@ void reduce_and_add(const SpaceBody& body, const ShownSurface& shown, const Tool
 TouchSpace make_touch_space(const StateSpace& space, double bound) {
   validate_pod_bound(bound);
   const ShownSurface shown(space.bodies);
-  TouchSpace made = make_empty_touch_space(space.bodies);
+  TouchSpace made = make_empty_touch_space(space.bodies, shown.surface());
   for (const ToolSpace& tool_space : space.tool_spaces) {
     const std::vector<ConfigurationSummary> summaries(tool_space.configurations.begin(),
                                                       tool_space.configurations.end());

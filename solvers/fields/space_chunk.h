@@ -20,9 +20,8 @@ struct ToolSpaceChunk {
   std::vector<IntermediateState> intermediate_states;
   /// The transitions between levels. All that they connect is in this chunk or in an earlier one.
   std::vector<LevelTransition> transitions;
-  /// Modes that are added to those of earlier chunks [3 × points that are shown,
-  /// added], and their errors,
-  /// see TouchSpace.
+  /// Modes that are added to those of earlier chunks [3 × points that are shown, number added], and
+  /// their errors, see TouchSpace.
   Eigen::MatrixXf modes;
   double largest_displacement = 0;
   double displacement_error = 0;

@@ -62,7 +62,7 @@ struct InteractionSpec {
 class InteractionFactory {
  public:
   /// @param at_rest The body at rest under its loads.
-  explicit InteractionFactory(Body body, SettledBody at_rest = {})
+  InteractionFactory(Body body, SettledBody at_rest)
       : body_(std::move(body)), at_rest_(std::move(at_rest)) {}
 
   /// @throws InputError the tool cannot be at its place, see BondedPatches::around(), or the rigid

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "state_space/shown_surface.h"
 
+#include <utility>
+
 #include "mesh/surface_tree.h"
 
 namespace palpate {
@@ -13,23 +15,29 @@ Surface surface_at_rest(const SpaceBody& body) {
   return surface;
 }
 
-ShownSurface::ShownSurface(const std::vector<SpaceBody>& bodies) {
-  for (const SpaceBody& body : bodies) {
-    const Surface& surface = surfaces_[body.number] = surface_at_rest(body);
-    if (body.number == kFirstBody) continue;
-    const SurfaceTree tree(surface.points, surface.triangles);
-    std::vector<Carrier>& carriers = carriers_[body.number];
-    for (const Vec3& point : this->surface().points) {
-      const SurfaceTree::Nearest nearest = tree.nearest(point);
-      carriers.push_back({tree.points_of(nearest.triangle), nearest.weights});
-    }
+const Surface& ShownSurface::surface_of(BodyId body) const {
+  const auto known = surfaces_.find(body);
+  if (known != surfaces_.end()) return known->second;
+  return surfaces_.emplace(body, surface_at_rest(find_body(bodies_, body))).first->second;
+}
+
+const std::vector<ShownSurface::Carrier>& ShownSurface::carriers_of(BodyId body) const {
+  const auto known = carriers_.find(body);
+  if (known != carriers_.end()) return known->second;
+  const Surface& of_body = surface_of(body);
+  const SurfaceTree tree(of_body.points, of_body.triangles);
+  std::vector<Carrier> carriers;
+  for (const Vec3& point : surface().points) {
+    const SurfaceTree::Nearest nearest = tree.nearest(point);
+    carriers.push_back({tree.points_of(nearest.triangle), nearest.weights});
   }
+  return carriers_.emplace(body, std::move(carriers)).first->second;
 }
 
 Eigen::MatrixXf ShownSurface::carry(BodyId body, const Eigen::MatrixXf& of_body) const {
   const Eigen::Index num_shown = surface().num_points();
   if (body == kFirstBody) return of_body.topRows(3 * num_shown);
-  const std::vector<Carrier>& carriers = carriers_.at(body);
+  const std::vector<Carrier>& carriers = carriers_of(body);
   Eigen::MatrixXf shown = Eigen::MatrixXf::Zero(3 * num_shown, of_body.cols());
   for (Eigen::Index p = 0; p < num_shown; ++p) {
     const Carrier& carrier = carriers[static_cast<std::size_t>(p)];

@@ -19,12 +19,12 @@ namespace palpate {
 
 class ShownSurface {
  public:
-  /// @param bodies In the order of their numbers, one at least.
-  explicit ShownSurface(const std::vector<SpaceBody>& bodies);
+  /// @param bodies In the order of their numbers, one at least. They must outlive this object.
+  explicit ShownSurface(const std::vector<SpaceBody>& bodies) : bodies_(bodies) {}
 
   [[nodiscard]] const Surface& surface() const { return surface_of(kFirstBody); }
-  /// The surface of a body at rest.
-  [[nodiscard]] const Surface& surface_of(BodyId body) const { return surfaces_.at(body); }
+  /// The surface of a body at rest. It is made when it is first asked for.
+  [[nodiscard]] const Surface& surface_of(BodyId body) const;
 
   /// Displacements of the points of a body's surface as displacements of the points that are shown.
   /// @param of_body [3 × points of the body's surface, any number of fields]. There may be more
@@ -38,9 +38,12 @@ class ShownSurface {
     Vec3 weights = Vec3::Zero();
   };
 
-  std::map<BodyId, Surface> surfaces_;
-  /// The carriers of all points that are shown; the first body needs none.
-  std::map<BodyId, std::vector<Carrier>> carriers_;
+  /// The carriers of all points that are shown, which are made when they are first needed.
+  [[nodiscard]] const std::vector<Carrier>& carriers_of(BodyId body) const;
+
+  const std::vector<SpaceBody>& bodies_;
+  mutable std::map<BodyId, Surface> surfaces_;
+  mutable std::map<BodyId, std::vector<Carrier>> carriers_;
 };
 
 }  // namespace palpate

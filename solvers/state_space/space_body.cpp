@@ -7,6 +7,27 @@
 #include "base/error.h"
 
 namespace palpate {
+namespace {
+
+/// Whether an organ has all tissues of another one.
+bool has_tissues_of(const Organ& all, const Organ& some) {
+  for (std::size_t s = 0; s < some.materials.size(); ++s) {
+    bool is_there = false;
+    for (std::size_t a = 0; a < all.materials.size() && !is_there; ++a) {
+      is_there = all.materials[a] == some.materials[s] &&
+                 (all.densities.empty() || all.densities[a] == some.densities[s]);
+    }
+    if (!is_there) return false;
+  }
+  return true;
+}
+
+bool is_one_organ(const Organ& a, const Organ& b) {
+  return a.body_force == b.body_force && a.densities.empty() == b.densities.empty() &&
+         (has_tissues_of(a, b) || has_tissues_of(b, a));
+}
+
+}  // namespace
 
 SpaceBody make_space_body(Scene scene, SettledBody at_rest) {
   SpaceBody body;
@@ -24,7 +45,7 @@ const SpaceBody& find_body(const std::vector<SpaceBody>& bodies, BodyId number) 
 }
 
 void require_one_organ(const Scene& first, const Scene& other) {
-  if (!(first.organ == other.organ)) {
+  if (!is_one_organ(first.organ, other.organ)) {
     throw InputError(
         "The bodies are of different organs: their materials, densities or body forces differ. "
         "Give bodies of one organ, or compute a space of each.");
@@ -35,12 +56,6 @@ void require_one_organ(const Scene& first, const Scene& other) {
   throw InputError(
       "One of the bodies has supports or loads of its surface, and another one has none. Hold and "
       "load all bodies of an organ in the same way, or compute a space of each.");
-}
-
-std::string join_hashes(const std::vector<std::string>& hashes) {
-  std::string joined;
-  for (const std::string& hash : hashes) joined += (joined.empty() ? "" : "+") + hash;
-  return joined;
 }
 
 }  // namespace palpate

@@ -26,7 +26,7 @@ struct SpaceBody {
   [[nodiscard]] const TetMesh& mesh() const { return scene->body.mesh; }
 };
 
-/// The only body of a space.
+/// The first body of a space.
 [[nodiscard]] SpaceBody make_space_body(Scene scene, SettledBody at_rest = {});
 
 /// The body with a number. @param bodies Ordered by their numbers, which begin with kFirstBody.
@@ -36,9 +36,5 @@ struct SpaceBody {
 /// them have supports or loads of the surface.
 /// @throws InputError they are not.
 void require_one_organ(const Scene& first, const Scene& other);
-
-/// What tells a space from others: the hashes of its bodies, joined by "+". A space that was given
-/// more bodies since begins with what it had before.
-[[nodiscard]] std::string join_hashes(const std::vector<std::string>& hashes);
 
 }  // namespace palpate

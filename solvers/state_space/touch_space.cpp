@@ -41,11 +41,15 @@ const TouchToolSpace* TouchSpace::find_pressing() const {
 }
 
 TouchSpace make_empty_touch_space(const std::vector<SpaceBody>& bodies) {
+  return make_empty_touch_space(bodies, surface_at_rest(bodies.front()));
+}
+
+TouchSpace make_empty_touch_space(const std::vector<SpaceBody>& bodies, const Surface& surface) {
   TouchSpace space;
   std::vector<std::string> hashes;
   for (const SpaceBody& body : bodies) hashes.push_back(body.hash);
   space.scene_hash = join_hashes(hashes);
-  space.surface = surface_at_rest(bodies.front());
+  space.surface = surface;
   return space;
 }
 

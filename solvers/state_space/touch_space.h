@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "state_space/space_hash.h"
 #include "state_space/state_space.h"
 #include "state_space/surface.h"
 
@@ -70,12 +71,15 @@ struct TouchSpace {
   /// The tool space with a key, or nullptr.
   [[nodiscard]] const TouchToolSpace* find(const ToolSpaceKey& key) const;
   /// The tool space whose tool presses the body anywhere, or nullptr. A space may have several:
-  /// haptic rendering and display use the first one by number, which this function returns.
+  /// haptic rendering and display use the first one by its key, which this function returns.
   [[nodiscard]] const TouchToolSpace* find_pressing() const;
 };
 
 /// The touch space of some bodies, without tool spaces yet.
 /// @param bodies In the order of their numbers, one at least.
+/// @param surface The surface that is shown, if it was made already.
 [[nodiscard]] TouchSpace make_empty_touch_space(const std::vector<SpaceBody>& bodies);
+[[nodiscard]] TouchSpace make_empty_touch_space(const std::vector<SpaceBody>& bodies,
+                                                const Surface& surface);
 
 }  // namespace palpate

@@ -207,8 +207,12 @@ void Bodies::require_size(const Scene& scene) {
                    " cells: more than a state-space file can hold. Take a coarser mesh.");
 }
 
-BodyId Bodies::add(const Scene& scene, const SettledBody& at_rest) {
-  if (const std::optional<BodyId> there = find(hash(scene))) return *there;
+BodyId Bodies::add(const Scene& scene, const std::string& scene_hash, const SettledBody& at_rest) {
+  if (const std::optional<BodyId> there = find(scene_hash)) {
+    connection_.before_change();
+    set_touchable(*there, scene.body.touchable);
+    return *there;
+  }
   require_size(scene);
   require_one_organ(read(kFirstBody), scene);
   const Database& database = connection_.database();
@@ -273,6 +277,7 @@ Scene Bodies::read(BodyId body) const {
                    [](const Vec3& p) { return p.allFinite(); })) {
     throw_damaged(database.path(), "a point of the body is none");
   }
+  read_[body].settled = std::move(at_rest);
   return scene;
 }
 

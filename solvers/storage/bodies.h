@@ -41,9 +41,10 @@ class Bodies {
   /// @throws InputError a row cannot hold its fields.
   static void require_size(const Scene& scene);
 
-  /// Adds a body of the organ, unless it is there.
+  /// Adds a body of the organ. Of one that is there, takes over where it may be touched.
+  /// @param scene_hash hash(scene).
   /// @throws InputError it is of another organ, it is held or loaded otherwise, or it is too large.
-  BodyId add(const Scene& scene, const SettledBody& at_rest);
+  BodyId add(const Scene& scene, const std::string& scene_hash, const SettledBody& at_rest);
   /// The numbers, ascending; the first is kFirstBody.
   [[nodiscard]] std::vector<BodyId> list() const;
   /// The body with a hash, or nothing.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "state_space/space_hash.h"
 #include "storage/state_space_file.h"
 
 namespace palpate {
@@ -132,8 +133,7 @@ void FieldCache::fail(const std::string& what) const {
 
 StateSpaceFile FieldCache::open() const {
   StateSpaceFile file = StateSpaceFile::open_read_only(path_);
-  // Bodies may have been added since.
-  if (file.scene_hashes().compare(0, scene_hash_.size(), scene_hash_) != 0) {
+  if (!is_same_space(scene_hash_, file.scene_hashes())) {
     fail("its scene is " + file.scene_hashes() + ", not " + scene_hash_);
   }
   return file;
@@ -144,13 +144,14 @@ void FieldCache::read(const ToolSpaceSetup& setup,
   StateSpaceFile file = open();
   file.share(known_);
   if (bodies_.count(setup.body) == 0) {
-    OfBody& body = bodies_[setup.body];
+    OfBody body;
     const TetMesh mesh = file.read_scene(setup.body).body.mesh;
     const Surface surface = make_surface(mesh);
     for (const Keep keep : {Keep::touch, Keep::surface, Keep::all}) {
       body.points[keep] = kept_points(mesh, surface, keep);
     }
     body.at_rest = file.read_rest(setup.body);
+    bodies_.emplace(setup.body, std::move(body));
   }
   const SettledBody& at_rest = bodies_.at(setup.body).at_rest;
   const std::vector<ToolSpace> there = file.read_tool_spaces();

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/new_file.h"
 #include "base/printable.h"
+#include "state_space/space_hash.h"
 #include "storage/open_file.h"
 #include "storage/schema.h"
 #include "storage/tables.h"
@@ -100,8 +101,14 @@ std::vector<std::string> StateSpaceFile::remove_damaged() {
 }
 
 BodyId StateSpaceFile::add_body(const Scene& scene, const SettledBody& at_rest) {
-  return storage::add_body(*tables_, scene, at_rest);
+  return storage::add_body(*tables_, scene, hash(scene), at_rest);
 }
+
+BodyId StateSpaceFile::add_body(const SpaceBody& body) {
+  return storage::add_body(*tables_, *body.scene, body.hash, body.at_rest);
+}
+
+void StateSpaceFile::require_size(const Scene& scene) { storage::Bodies::require_size(scene); }
 
 std::vector<BodyId> StateSpaceFile::list_bodies() const { return tables_->bodies.list(); }
 

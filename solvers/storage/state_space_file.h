@@ -122,6 +122,10 @@ class StateSpaceFile {
   /// @throws InputError it is of another organ, loaded or held otherwise than those that are there,
   ///   or too large.
   BodyId add_body(const Scene& scene, const SettledBody& at_rest = {});
+  /// Does the same for a body whose hash is known. Where it may be touched is taken over too.
+  BodyId add_body(const SpaceBody& body);
+  /// @throws InputError the body is larger than a file can hold.
+  static void require_size(const Scene& scene);
   /// The numbers of the bodies, ascending.
   [[nodiscard]] std::vector<BodyId> list_bodies() const;
   /// The body with a hash, or nothing.

@@ -62,8 +62,9 @@ BodyId find_body(const Tables& tables, const Scene& scene, double solver_toleran
   return *found;
 }
 
-BodyId add_body(Tables& tables, const Scene& scene, const SettledBody& at_rest) {
-  const BodyId body = tables.bodies.add(scene, at_rest);
+BodyId add_body(Tables& tables, const Scene& scene, const std::string& scene_hash,
+                const SettledBody& at_rest) {
+  const BodyId body = tables.bodies.add(scene, scene_hash, at_rest);
   tables.reduced_models.try_emplace(body, tables.connection, body);
   return body;
 }

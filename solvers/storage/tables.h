@@ -42,7 +42,8 @@ struct Tables {
 BodyId find_body(const Tables& tables, const Scene& scene, double solver_tolerance);
 
 /// Adds a body of the organ, unless it is there. @throws InputError as Bodies::add() does.
-BodyId add_body(Tables& tables, const Scene& scene, const SettledBody& at_rest);
+BodyId add_body(Tables& tables, const Scene& scene, const std::string& scene_hash,
+                const SettledBody& at_rest);
 
 /// Runs `body` in one transaction: its changes become durable together, or not at all if it throws.
 void change_together(Connection& connection, const std::function<void()>& body);

@@ -29,9 +29,7 @@ class ToolSpaces {
   void write(const ToolSpace& space);
   void set_complete(const ToolSpaceKey& key, bool complete);
 
-  /// The tool spaces of a body in the order of their numbers, without configurations.
-  [[nodiscard]] std::vector<ToolSpace> read(BodyId body) const;
-  /// The tool spaces of all bodies.
+  /// The tool spaces of all bodies in the order of their keys, without configurations.
   [[nodiscard]] const std::vector<ToolSpace>& read_all() const;
   [[nodiscard]] std::optional<ToolSpace> find(const ToolSpaceKey& key) const;
   /// The name of a tool space, for a message.

@@ -357,7 +357,7 @@ void measure(const Arguments& arguments, Communicator& world) {
     std::fflush(stdout);
   }
 
-  InteractionFactory tools(scene.body);
+  InteractionFactory tools(scene.body, {});
   EquilibriumSolver solver(scene, {});
   const RigidTool tool = with_defaults(options.contact->tool, scene);
   const InteractionSpec spec = rigid_contact_spec(tool);

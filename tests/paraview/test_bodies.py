@@ -10,8 +10,9 @@ import sys
 
 import numpy
 from paraview import servermanager
-from paraview.simple import (AccuracyReport, ExtractBlock, MergeBlocks, OpenDataFile, SaveData,
-                             SolveEquilibrium, StateSpaceReader, TouchStateSpace)
+from paraview.simple import (AccuracyReport, EstimateError, ExtractBlock, MergeBlocks,
+                             OpenDataFile, PrecomputeStateSpace, SaveData, SolveEquilibrium,
+                             StateSpaceReader, TouchStateSpace)
 from state_space_support import fetch_space
 from support import expect_error, expect_silence, field, places, point_array
 
@@ -70,6 +71,22 @@ def main():
     nowhere = TouchStateSpace(Input=space, ActiveNode=corner, BodyNumber=2)
     expect_error(nowhere.UpdatePipeline, f"on body 2 of the state space, which has 1: {of_second}")
     expect_error(AccuracyReport(Input=space).UpdatePipeline, "several bodies")
+
+    # The rigid tool of a second body is not shown; a node is found where none is named.
+    touch = TouchStateSpace(Input=space, BodyNumber=2, Displacement=[0.001, 0, 0])
+    assert field(fetch(touch), "ActiveNode")[0] == of_second
+    estimated = fetch_space(EstimateError(Input=space))["Configurations"]
+    estimates = point_array(estimated, "EstimatedError")
+    of_body = point_array(estimated, "BodyNumber")
+    assert set(estimates[of_body == 1]).isdisjoint(estimates[of_body == 2] + 0)
+
+    # A run on the first mesh alone shows what the file has of both.
+    again = PrecomputeStateSpace(Input=body_of(space, "Body"), FileName="both.palpate", Keep="All",
+                                 ActiveNodes=[corner, middle], HalfWidth=0.01, Resolution=3)
+    blocks = expect_silence(lambda: fetch_space(again))
+    assert list(blocks) == ["Body", "Surface", "Configurations", "Body2"], list(blocks)
+    assert field(blocks["Configurations"], "Solved")[0] == 0
+    expect_touched(again, "Body2", 2, of_second)
 
     SaveData("both.vtpc", proxy=space)
     again = OpenDataFile("both.vtpc")

@@ -333,7 +333,7 @@ void pqPalpateTouch::takeNewData()
       {
         return;
       }
-      const bool isOther = copy.scene_hash != session.Body->scene_hash();
+      const bool isOther = !palpate::is_same_space(copy.scene_hash, session.Body->scene_hash());
       session.SetSpace(copy);
       session.ShowSpace(copy);
       session.Hand.Servo->set_touch(palpate::make_touch(session.Body));
@@ -403,7 +403,9 @@ void pqPalpateTouch::show()
   const bool presses = contact.status == palpate::ContactStatus::pressing;
   const bool holds = touches && !presses;
   const int node = holds ? contact.nodes[0] : presses ? -1 : session.Node;
-  const palpate::BodyId body = holds ? contact.bodies[0] : session.OnBody;
+  const palpate::BodyId body = holds ? contact.bodies[0]
+    : presses                        ? palpate::kFirstBody
+                                     : session.OnBody;
   const int branch = holds ? contact.branches[0] : 0;
   const Vec3 displacement = holds ? contact.displacement : Vec3::Zero();
   const Vec3 pressed = presses ? contact.anchor : session.Away();

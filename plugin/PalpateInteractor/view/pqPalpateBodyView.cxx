@@ -259,6 +259,7 @@ void pqPalpateBodyView::ShowPressed(const double* place)
   vtkSMProxy* filter = this->Filter->getProxy();
   const bool isKnown = this->IsKnown();
   vtkSMPropertyHelper(filter, "ActiveNode").Set(static_cast<vtkIdType>(FirstOfSpace));
+  vtkSMPropertyHelper(filter, "BodyNumber").Set(FirstBody);
   vtkSMPropertyHelper(filter, "ToolPosition").Set(place, 3);
   this->Take(filter, isKnown);
 }

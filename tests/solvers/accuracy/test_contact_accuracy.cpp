@@ -114,7 +114,7 @@ TEST_F(ContactAccuracy, PointsAreEquilibriaInTheSpace) {
   const TouchSpace& space = space_as_set_up();
   const AccuracyResult result = run(space, *world_);
   const InteractionSpec& spec = space.tool_spaces.front().setup.interaction;
-  InteractionFactory tools(block_.scene.body);
+  InteractionFactory tools(block_.scene.body, {});
   const auto clearance = tools.clearance(spec);
   EquilibriumSolver solver(block_.scene, options_.exact.equilibrium);
   solver.set_interaction(*tools.make(spec));
@@ -305,7 +305,7 @@ TEST_F(ContactAccuracy, AnAbortedRunGoesOn) {
 TEST_F(ContactAccuracy, ADepthWithoutEndIsDrawnFrom) {
   if (world_->rank() != 0) return;
   const SurfacePlaces places(block_.scene.body, {});
-  InteractionFactory tools(block_.scene.body);
+  InteractionFactory tools(block_.scene.body, {});
   const ToolSpaceSetup setup = setup_to(1e300);
   const auto clearance = tools.clearance(setup.interaction);
   const auto draw = [&](const std::function<bool(const Vec3&)>& holds) {
@@ -326,7 +326,7 @@ TEST_F(ContactAccuracy, ADepthWithoutEndIsDrawnFrom) {
 TEST_F(ContactAccuracy, FewPointsAreTheFirstOfManyAndSlidesGoOnInSmallSteps) {
   if (world_->rank() != 0) return;
   const SurfacePlaces places(block_.scene.body, {});
-  InteractionFactory tools(block_.scene.body);
+  InteractionFactory tools(block_.scene.body, {});
   const ToolSpaceSetup setup = setup_to(kDepth);
   const auto clearance = tools.clearance(setup.interaction);
   const auto draw = [&](int num) {
@@ -380,7 +380,7 @@ TEST_F(ContactAccuracy, ASlideToAnotherBranchIsToldApart) {
     return q.x() > 0.055 && std::abs(q.y() - 0.02) < 0.015;
   };
   const ExactResult result = solve_test_points(plate, {setup}, options_.exact, *world_, nullptr);
-  InteractionFactory tools(plate.body);
+  InteractionFactory tools(plate.body, {});
   const auto clearance = tools.clearance(setup.interaction);
   EquilibriumSolver solver(plate, options_.exact.equilibrium);
   solver.set_interaction(*tools.make(setup.interaction));

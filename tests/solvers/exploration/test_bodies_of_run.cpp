@@ -45,8 +45,10 @@ class BodiesOfRun : public testing::Test {
 
   /// Both bodies of the organ.
   [[nodiscard]] std::vector<BodyOfRun> bodies() const { return {of_run(coarse_), of_run(fine_)}; }
-  [[nodiscard]] static BodyOfRun of_run(const Block& block) {
-    return {std::make_shared<const Scene>(block.scene), {block.corner}};
+  [[nodiscard]] BodyOfRun of_run(const Block& block) const {
+    std::vector<Index> nodes;
+    if (!options_.contact) nodes.push_back(block.corner);
+    return {std::make_shared<const Scene>(block.scene), nodes};
   }
   [[nodiscard]] PrecomputeResult run(const std::vector<BodyOfRun>& of, Communicator& on) const {
     return precompute(of, options_, on, progress_);
@@ -74,8 +76,15 @@ class BodiesOfRun : public testing::Test {
   }
 
   /// What a space has of one body is what a run on that body alone finds, but for its number.
-  void expect_is_of_it_alone(const PrecomputeResult& of_both, const Block& block, BodyId number) {
+  /// @returns The report of that run.
+  PrecomputeReport expect_is_of_it_alone(const PrecomputeResult& of_both, const Block& block,
+                                         BodyId number) {
     SCOPED_TRACE(number);
+    const PrecomputeResult alone = run_alone(block);
+    if (world_->rank() == 0) expect_has(of_both, alone, number);
+    return alone.report;
+  }
+  [[nodiscard]] PrecomputeResult run_alone(const Block& block) const {
     PrecomputeOptions options = options_;
     options.file.clear();
     if (options.contact) {
@@ -83,8 +92,10 @@ class BodiesOfRun : public testing::Test {
     } else {
       options.active_nodes = {block.corner};
     }
-    const PrecomputeResult alone = precompute(block.scene, options, *world_, {});
-    if (world_->rank() != 0) return;
+    return precompute(block.scene, options, *world_, {});
+  }
+  static void expect_has(const PrecomputeResult& of_both, const PrecomputeResult& alone,
+                         BodyId number) {
     const TouchToolSpace& right = alone.space.tool_spaces.front();
     const TouchToolSpace* found = of_both.space.find({right.setup.id, number});
     ASSERT_NE(found, nullptr);
@@ -170,8 +181,8 @@ TEST_F(BodiesOfRun, EachHasTheSpaceOfARunOnItAlone) {
       ASSERT_EQ(result.space.tool_spaces.size(), 2U);
       EXPECT_EQ(result.space.scene_hash, hash(coarse_.scene) + "+" + hash(fine_.scene));
     }
-    expect_is_of_it_alone(result, coarse_, kFirstBody);
-    expect_is_of_it_alone(result, fine_, kSecond);
+    (void)expect_is_of_it_alone(result, coarse_, kFirstBody);
+    (void)expect_is_of_it_alone(result, fine_, kSecond);
   }
 }
 
@@ -183,8 +194,38 @@ TEST_F(BodiesOfRun, ARigidToolPressesBothInRounds) {
   const PrecomputeResult result = run();
   EXPECT_TRUE(result.report.complete);
   EXPECT_GT(result.report.num_rounds, 0);
-  expect_is_of_it_alone(result, coarse_, kFirstBody);
-  expect_is_of_it_alone(result, fine_, kSecond);
+  const PrecomputeReport first = expect_is_of_it_alone(result, coarse_, kFirstBody);
+  const PrecomputeReport second = expect_is_of_it_alone(result, fine_, kSecond);
+  EXPECT_EQ(result.report.num_expected, first.num_expected + second.num_expected);
+  EXPECT_EQ(result.report.num_solved, first.num_solved + second.num_solved);
+  // The limit is that of all bodies together.
+  options_.contact->most_configurations =
+      static_cast<std::int64_t>(1.5 * static_cast<double>(first.num_solved));
+  options_.tolerance = 0;
+  const std::int64_t of_first_round = run({of_run(coarse_)}, *world_).report.num_solved;
+  options_.contact->most_configurations = of_first_round + 1;
+  EXPECT_THROW((void)run(), InputError);
+}
+
+TEST_F(BodiesOfRun, ABodyWithoutNodesHasNoneWhereAnotherHas) {
+  coarse_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {3, 2, 2}});
+  fine_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {4, 3, 3}});
+  options_.resolution = 3;
+  std::vector<BodyOfRun> of = bodies();
+  of[0].active_nodes.clear();
+  const PrecomputeResult nodes = run(of, *world_);
+  EXPECT_EQ(nodes.report.num_solved, 27);
+  press();
+  const PrecomputeResult both = run(of, *world_);
+  EXPECT_TRUE(both.report.complete);
+  if (world_->rank() != 0) return;
+  ASSERT_EQ(nodes.space.tool_spaces.size(), 1U);
+  EXPECT_EQ(nodes.space.tool_spaces[0].setup.body, kSecond);
+  std::vector<ToolSpaceKey> keys;
+  for (const TouchToolSpace& space : both.space.tool_spaces) keys.push_back(space.setup.key());
+  EXPECT_EQ(keys, (std::vector<ToolSpaceKey>{{kContactToolSpace, kFirstBody},
+                                             {kContactToolSpace, kSecond},
+                                             {fine_.corner, kSecond}}));
 }
 
 TEST_F(BodiesOfRun, ARunThatIsInterruptedGoesOnFromItsFileAndBothAreTouched) {
@@ -249,6 +290,31 @@ TEST_F(BodiesOfRun, ABodyMayBeAddedToAFileLater) {
   if (world_->rank() != 0) return;
   expect_equal(later.space, both.space);
   expect_equal(first.space, both.space);
+  EXPECT_EQ(first.bodies.size(), 2U) << "those of the space";
+}
+
+TEST_F(BodiesOfRun, WhereEachMayBeTouchedFollowsTheLastRun) {
+  options_.file = folder_ / "space.palpate";
+  (void)run();
+  fine_.scene.body.touchable[static_cast<std::size_t>(fine_.middle)] = 0;
+  EXPECT_EQ(run().report.num_solved, 0);
+  if (world_->rank() != 0) return;
+  EXPECT_EQ(StateSpaceFile::open_read_only(options_.file).read_scene(kSecond).body.touchable,
+            fine_.scene.body.touchable);
+}
+
+TEST_F(BodiesOfRun, ARunThatIsRefusedLeavesTheFileAsItWas) {
+  if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
+  options_.file = folder_ / "space.palpate";
+  (void)run(bodies(), *serial_);
+  const std::string before = StateSpaceFile::open_read_only(options_.file).scene_hashes();
+  const Block third = test::make_block(Law::neo_hookean, {ElementOrder::linear, {2, 1, 1}});
+  // The second body is not the file's, and a step that the tool space of the first one has not.
+  EXPECT_THROW((void)run({of_run(coarse_), of_run(third)}, *serial_), InputError);
+  options_.resolution = 7;
+  EXPECT_THROW((void)run({of_run(coarse_), of_run(fine_), of_run(third)}, *serial_), InputError);
+  EXPECT_EQ(StateSpaceFile::open_read_only(options_.file).scene_hashes(), before);
+  EXPECT_THROW((void)run({}, *serial_), InputError);
 }
 
 TEST_F(BodiesOfRun, ThoseOfAFileAreGivenInTheirOrder) {

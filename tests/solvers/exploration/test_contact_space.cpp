@@ -79,7 +79,7 @@ class ContactSpace : public testing::Test {
     if (world_->rank() != 0) return;
     const TouchToolSpace& space = result.space.tool_spaces[0];
     const auto interpolator = make_interpolator(Method::energy_hermite, space);
-    InteractionFactory tools(block_.scene.body);
+    InteractionFactory tools(block_.scene.body, {});
     const InteractionSpec& spec = space.setup.interaction;
     const auto clearance = tools.clearance(spec);
     EquilibriumSolver solver(block_.scene, {});
@@ -145,7 +145,7 @@ TEST_F(ContactSpace, OfMixedCellsGivesTheForceWhereverTheToolPresses) {
 TEST_F(ContactSpace, AStartThatTouchesNothingNeedsNoFields) {
   block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {4, 3, 2}, 0.1, 3000, 0.495});
   EquilibriumSolver solver(block_.scene, {});
-  InteractionFactory tools(block_.scene.body);
+  InteractionFactory tools(block_.scene.body, {});
   const SpaceBody body = make_space_body(block_.scene);
   InteractionSolver states(body, solver, tools);
   const ToolSpaceSetup setup = run(*serial_).space.tool_spaces[0].setup;
@@ -160,7 +160,7 @@ TEST_F(ContactSpace, AStartThatTouchesNothingNeedsNoFields) {
   EXPECT_EQ(pressed.outcome, Outcome::converged);
   EXPECT_GT(pressed.reaction.norm(), 0);
   EXPECT_EQ(pressed.reaction, states.solve(setup, place, rest, Tangent::factorised).reaction);
-  states.forget(bare);
+  states.forget(setup, bare);
 }
 
 // The place where it begins can be touched long before all is found, and the order does not change
@@ -293,7 +293,7 @@ TEST_F(ContactSpace, TheClearanceIsDecisiveWithinTheBodyToo) {
   constexpr double kRounding = 1e-12;
   constexpr double kSmall = 0.004;
   options_.contact->tool.radius = kSmall;
-  InteractionFactory tools(block_.scene.body);
+  InteractionFactory tools(block_.scene.body, {});
   const auto clearance =
       tools.clearance(rigid_contact_spec(with_defaults(options_.contact->tool, block_.scene)));
   const Vec3 middle(0.05, 0.03, 0.025);

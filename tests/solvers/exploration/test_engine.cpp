@@ -269,7 +269,7 @@ class EndlessSolver final : public StateSolver {
                                   const Equilibrium& /*start*/, Tangent /*tangent*/) override {
     return found(t);
   }
-  void forget(const Equilibrium& /*state*/) override {}
+  void forget(const ToolSpaceSetup& /*setup*/, const Equilibrium& /*state*/) override {}
 
  private:
   Equilibrium found(const Vec3& t) {

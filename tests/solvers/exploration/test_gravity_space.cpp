@@ -184,7 +184,7 @@ TEST_F(GravitySpace, GivesForceAndShapeOfTheBodyThatSags) {
   const DisplayField field(space);
   Eigen::VectorXf coefficients(field.num_modes());
   Eigen::VectorXf shown(space.modes.rows());
-  solver.set_interaction(*InteractionFactory(scene_.body).make(space.setup.interaction));
+  solver.set_interaction(*InteractionFactory(scene_.body, {}).make(space.setup.interaction));
   const Equilibrium rest = solver.rest();
   std::mt19937 random(5);
   std::uniform_real_distribution<double> share(-1, 1);
@@ -272,7 +272,7 @@ TEST_F(GravitySpace, OfMixedCellsHasThePressuresOfTheRest) {
   EXPECT_EQ(fields.read_body(kFirstBody).at_rest.p, result.bodies[0].at_rest.p);
   const TouchToolSpace& space = result.space.tool_spaces.front();
   EquilibriumSolver solver(scene_, {});
-  solver.set_interaction(*InteractionFactory(scene_.body).make(space.setup.interaction));
+  solver.set_interaction(*InteractionFactory(scene_.body, {}).make(space.setup.interaction));
   const Vec3 t(0.01, 0, 0);
   const Equilibrium exact = solver.solve(t, solver.rest());
   ASSERT_EQ(exact.outcome, Outcome::converged);
@@ -336,7 +336,7 @@ TEST_F(GravitySpace, ARigidToolPressesTheBodyThatSags) {
   // Where the tool is clear of the body as it sags, though not of its mesh.
   Vec3 away = pressed_;
   while (clearance->clearance(away) <= 0) away.z() += 0.0005;
-  EXPECT_LT(InteractionFactory(scene_.body).clearance(spec)->clearance(away), 0);
+  EXPECT_LT(InteractionFactory(scene_.body, {}).clearance(spec)->clearance(away), 0);
   EXPECT_LT(interpolator->evaluate(away).force.norm(), 0.02 * largest);
 }
 
@@ -457,7 +457,7 @@ TEST_F(LoadedSpace, SeveralRanksGiveTheSpaceOfOneToTheBit) {
   expect_rest(serial, solver.settled());
   // In between, against the body itself.
   const TouchToolSpace& space = serial.space.tool_spaces.front();
-  solver.set_interaction(*InteractionFactory(scene_.body).make(space.setup.interaction));
+  solver.set_interaction(*InteractionFactory(scene_.body, {}).make(space.setup.interaction));
   const Vec3 t(0.004, -0.006, 0.003);
   const Equilibrium exact = solver.solve(t, solver.rest());
   const auto interpolator = make_interpolator(Method::energy_hermite, space);

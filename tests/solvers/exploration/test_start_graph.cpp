@@ -114,7 +114,7 @@ class FailingSolver final : public StateSolver {
                                   const Equilibrium& start, Tangent /*tangent*/) override {
     return find(start.t, t);
   }
-  void forget(const Equilibrium& /*state*/) override {}
+  void forget(const ToolSpaceSetup& /*setup*/, const Equilibrium& /*state*/) override {}
 
  private:
   static CheckPoint check_point(const Eigen::VectorXd& t) {

@@ -91,7 +91,7 @@ TEST_F(ThinLobe, TellsWhereTheWayDecides) {
       return (s >= 0).all() && (s <= 1).all();
     });
   };
-  InteractionFactory tools(scene_.body);
+  InteractionFactory tools(scene_.body, {});
   const auto clearance = tools.clearance(space_.setup.interaction);
   EquilibriumSolver solver(scene_, {});
   solver.set_interaction(*tools.make(space_.setup.interaction));

@@ -49,7 +49,7 @@ class Press {
   Press(const Scene& scene, const RigidTool& tool, double below)
       : spec_(rigid_contact_spec(with_defaults(tool, scene))),
         below_(below),
-        factory_(scene.body),
+        factory_(scene.body, {}),
         solver_(scene, {}) {
     solver_.set_interaction(*factory_.make(spec_));
   }

@@ -88,7 +88,7 @@ TEST(MotionKind, AddingOneIsOneClass) {
   const InteractionSpec moved = rigid_contact_spec(with_defaults(tilted, block.scene));
   const InteractionSpec laid = rigid_contact_spec(with_defaults(make_rod(along), block.scene));
   EXPECT_FALSE(moved == laid);
-  InteractionFactory tools(block.scene.body);
+  InteractionFactory tools(block.scene.body, {});
   const auto by_motion = tools.make(moved);
   const auto clear_by_motion = tools.clearance(moved);
   const auto by_shape = tools.make(laid);
@@ -112,7 +112,7 @@ TEST(MotionKind, OneThatTurnsHasNoWayToABody) {
   RigidTool turned = make_rod(Vec3::UnitX());
   turned.motion = kTurned;
   const InteractionSpec spec = rigid_contact_spec(with_defaults(turned, block.scene));
-  InteractionFactory tools(block.scene.body);
+  InteractionFactory tools(block.scene.body, {});
   EXPECT_EQ(tools.make(spec)->num_coordinates(), 6);
   EXPECT_NE(message_of([&] { (void)tools.clearance(spec); }).find("turns as it moves"),
             std::string::npos);

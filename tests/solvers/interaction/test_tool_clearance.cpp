@@ -44,8 +44,8 @@ RigidTool make_tilted_capsule() {
 TEST(ToolClearance, WhatIsPressedSoDeepIsSoDeep) {
   const Scene scene = make_box_scene();
   for (const RigidTool& tool : {make_sphere(), make_tilted_capsule()}) {
-    const auto clearance =
-        InteractionFactory(scene.body).clearance(rigid_contact_spec(with_defaults(tool, scene)));
+    const auto clearance = InteractionFactory(scene.body, {})
+                               .clearance(rigid_contact_spec(with_defaults(tool, scene)));
     const Vec3 point(0.06, 0.035, kSize.z());
     for (const double depth : {-0.003, 0.0, 0.002, 0.006}) {
       const ToolClearance::Approach approach =
@@ -59,7 +59,7 @@ TEST(ToolClearance, WhatIsPressedSoDeepIsSoDeep) {
 
 TEST(ToolClearance, AStartIsFoundWhereThereIsOne) {
   const Scene scene = make_box_scene();
-  const auto clearance = InteractionFactory(scene.body)
+  const auto clearance = InteractionFactory(scene.body, {})
                              .clearance(rigid_contact_spec(with_defaults(make_sphere(), scene)));
   const Vec3 pressed = clearance->pressed({0.06, 0.035, kSize.z()}, Vec3::UnitZ(), 0.004);
   const std::optional<Vec3> start = clearance->find_start(pressed);
@@ -93,7 +93,7 @@ void expect_pressed_from_above(const RigidTool& tool, double depth) {
   SCOPED_TRACE(name_of(tool) + ", depth " + std::to_string(depth));
   const Scene scene = make_box_scene();
   const auto clearance =
-      InteractionFactory(scene.body).clearance(rigid_contact_spec(with_defaults(tool, scene)));
+      InteractionFactory(scene.body, {}).clearance(rigid_contact_spec(with_defaults(tool, scene)));
   ASSERT_TRUE(clearance->is_large());
   const double below = reach(tool, -Vec3::UnitZ());
   const Vec3 q(0.06, 0.04, kSize.z() - depth + below);
@@ -132,7 +132,7 @@ TEST(ToolClearance, AToolThatIsLargerThanTheBodyPressesIt) {
 TEST(ToolClearance, OfALargePlateTheDepthIsThatOfTheBody) {
   const Scene scene = make_box_scene();
   const auto clearance =
-      InteractionFactory(scene.body)
+      InteractionFactory(scene.body, {})
           .clearance(rigid_contact_spec(with_defaults(make_plate({0.2, 0.2, 0.05}), scene)));
   for (const double depth : {0.001, 0.01}) {
     const ToolClearance::Approach approach =
@@ -151,7 +151,7 @@ TEST(ToolClearance, ATurnedPlateGoesOutAcross) {
   const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal).toRotationMatrix();
   const RigidTool plate = make_plate({0.3, 0.3, 0.04}, turn);
   const auto clearance =
-      InteractionFactory(scene.body).clearance(rigid_contact_spec(with_defaults(plate, scene)));
+      InteractionFactory(scene.body, {}).clearance(rigid_contact_spec(with_defaults(plate, scene)));
   // The corner of the box that is first met lies 8 mm deep.
   const Vec3 corner = kSize;
   const Vec3 q = corner + (0.02 - 0.008) * normal;

@@ -44,7 +44,7 @@ TEST(ToolKind, AddingOneIsOneClass) {
   EXPECT_FALSE(spec.presses());
   EXPECT_EQ(spec.touching_radius(), 0.008);
   EXPECT_EQ(spec.shown_shape().shape, ToolShape::capsule);
-  InteractionFactory tools(block.scene.body);
+  InteractionFactory tools(block.scene.body, {});
   EXPECT_EQ(tools.make(spec)->num_coordinates(), 3);
   EXPECT_EQ(tools.clearance(spec), nullptr);
   EXPECT_THROW(add_tool_kind(std::make_unique<Gripped>()), InputError) << "The number is taken.";
@@ -54,7 +54,7 @@ TEST(ToolKind, AnUnknownOneIsRefused) {
   InteractionSpec spec;
   spec.kind = static_cast<InteractionKind>(7);
   EXPECT_THROW((void)spec.name(), InputError);
-  InteractionFactory tools(make_block(Law::neo_hookean).scene.body);
+  InteractionFactory tools(make_block(Law::neo_hookean).scene.body, {});
   EXPECT_THROW((void)tools.make(spec), InputError);
   EXPECT_THROW((void)tools.clearance(spec), InputError);
 }

@@ -194,6 +194,10 @@ TEST_F(BodiesTest, ABodyIsAddedOnceAndOnlyOfTheSameOrgan) {
   supported.body.support_stiffness.assign(
       static_cast<std::size_t>(supported.body.mesh.num_points()), 1e5);
   EXPECT_THROW((void)file.add_body(supported), InputError);
+  // The same tissues in another order, and one of them alone.
+  Scene turned = cube_scene(4);
+  std::swap(turned.organ.materials.front(), turned.organ.materials.back());
+  EXPECT_EQ(file.add_body(turned), 3);
   Scene harder = cube_scene(1);
   harder.organ.materials[0].parameters[0] *= 2;
   EXPECT_THROW((void)file.add_body(harder), InputError);
@@ -265,6 +269,11 @@ TEST_F(BodiesTest, ATouchSpaceHasTheToolSpacesOfAllOnOneSurface) {
     EXPECT_EQ(whole, right.u);
     EXPECT_EQ(hash(*fields.read_body(body->body).scene), hash(body->scene));
   }
+  for (const std::string& none : {std::string(), hash(coarse_.scene).substr(0, 10)}) {
+    EXPECT_THROW((void)FieldCache(path_, none).read_body(kFirstBody), InputError);
+  }
+  // One that has taken another body since is the same.
+  EXPECT_NO_THROW((void)FieldCache(path_, hash(coarse_.scene)).read_body(kFirstBody));
   // A file that has the bodies in another order is another space.
   FieldCache other(path_, join_hashes({hash(fine_.scene), hash(coarse_.scene)}));
   EXPECT_THROW((void)other.read_body(kFirstBody), InputError);

@@ -106,7 +106,7 @@ class ReplaySolver final : public StateSolver {
     return spend(seconds) ? found(c) : aborted();
   }
 
-  void forget(const Equilibrium& state) override {
+  void forget(const ToolSpaceSetup& /*setup*/, const Equilibrium& state) override {
     const auto kept = std::find(factors_.begin(), factors_.end(), check_point(state.t));
     if (kept != factors_.end()) factors_.erase(kept);
   }
