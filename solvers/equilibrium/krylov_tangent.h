@@ -67,7 +67,7 @@ class KrylovTangent {
   /// The result of making the preconditioner for this tangent, if that was tried.
   SetupReport setup_;
   bool is_stale_ = true;
-  /// The preconditioner belongs to a tangent of this solve.
+  /// Whether the preconditioner belongs to a tangent of this solve.
   bool is_of_this_solve_ = false;
   /// Iterations per tenfold decrease of the residual when the preconditioner was new; 0: not known
   /// yet.

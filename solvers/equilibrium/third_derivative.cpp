@@ -31,8 +31,8 @@ struct SecondDifferences {
   Vec3 of[3][3];
 };
 
-/// About the largest strain of the columns of v per unit of t, 1/m: of the lines from node to node
-/// of a cell.
+/// An estimate of the largest strain of the columns of v per unit of t, 1/m, from lines between the
+/// nodes of each cell.
 double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
   double largest_square = 0;
   const int nodes = nodes_per_cell(mesh.order);
@@ -50,7 +50,7 @@ double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
   return std::sqrt(largest_square);
 }
 
-/// @returns nothing: a residual is not defined.
+/// @returns nothing if a residual is not defined.
 std::optional<SecondDifferences> differences(CondensedSystem& system, const Eigen::VectorXd& t,
                                              const NodalVector& x, const Eigen::MatrixXd& v,
                                              double step) {
