@@ -130,11 +130,12 @@ struct MemoryKernels {
                     double* values);
 };
 
-/// The memory kernels for an element order, with a linear material or another, on this processor.
+/// The memory kernels for an element order, and for linear materials or all others, on this
+/// processor.
 [[nodiscard]] const MemoryKernels& best_memory_kernels(int order, bool is_linear);
 
-/// The kernels for an element order (1, 2) and a law of energy, given by its number, with mixed
-/// elements or not, on this processor.
+/// The kernels for an element order (1, 2), a law of energy (given by its number), and mixed
+/// elements or others, on this processor.
 [[nodiscard]] const Kernels& best_kernels(int order, int law, bool is_mixed);
 
 }  // namespace palpate
