@@ -7,7 +7,7 @@
 // s is C³ and its fourth derivatives are bounded. The coefficients follow from the samples f_ijk
 // alone,
 //
-//   c = f − 5/24 (δ_x² + δ_y² + δ_z²) f,   δ_x² f_ijk = f_i+1,jk − 2 f_ijk + f_i−1,jk,
+//   c = f − 5/24 (δ_x² + δ_y² + δ_z²) f,   δ_x² f_ijk = f_i+1,jk − 2 f_ijk + f_i−1,jk.
 //
 // This is quasi-interpolation of the fourth order (de Boor, A Practical Guide to Splines, ch. XII).
 // It is exact for polynomials up to degree three, since Σ f_i β(x − i) = f + 5/24 f″ + … .
