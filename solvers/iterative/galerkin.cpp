@@ -203,7 +203,7 @@ class GalerkinSum {
   Index first_;
   Index last_;
   std::vector<double>& values_;
-  /// For each of the two marked corners, the index of its block with each corner; −1: they are no
+  /// For each of the two marked corners, the index of its block with each corner; −1: they are not
   /// neighbours.
   std::vector<Index> place_[2];
 };

@@ -31,7 +31,7 @@ class Backend {
   [[nodiscard]] virtual std::unique_ptr<Backend> in_single_precision() const { return nullptr; }
 
   struct Pivots {
-    /// The least and the greatest magnitude of a pivot. A least one of zero: there is no factor.
+    /// The least and the greatest magnitude of a pivot. If the least is zero, there is no factor.
     double least = 0;
     double greatest = 0;
     int negative = 0;
