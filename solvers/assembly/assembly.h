@@ -42,7 +42,7 @@ struct Memory {
 class Assembly {
  public:
   /// The scene is copied as far as it is needed, and need not outlive this object.
-  /// @throws InputError a cell whose mapping is not one to one (a Tet10 with bad midside nodes).
+  /// @throws InputError the mapping of a cell is not one to one (a Tet10 with bad midside nodes).
   explicit Assembly(const Scene& scene);
   ~Assembly();
   Assembly(Assembly&&) noexcept;

@@ -28,9 +28,9 @@ struct BlockTarget {
   std::int32_t column_length = 0;
 };
 
-/// A group of elements, of which some packets are processed. All arrays are those of the whole
-/// group, packet by packet, with the kPacketSize elements of a packet innermost. The last packet is
-/// filled up with copies of its last element that have no weight.
+/// A group of elements, and the range of its packets that is processed. All arrays are those of the
+/// whole group, packet by packet, with the kPacketSize elements of a packet innermost. The last
+/// packet is filled up with copies of its last element that have no weight.
 struct ElementGroupView {
   /// The range of packets to process, the last one not included. The group has num_packets.
   std::int32_t first_packet;

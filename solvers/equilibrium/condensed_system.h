@@ -61,7 +61,7 @@ struct CondensedTangent {
 struct RestStability {
   int negative_pivots = 0;
   double lowest_eigenvalue = std::numeric_limits<double>::quiet_NaN();
-  /// As LinearisedState::displacement_error.
+  /// The error of the displacement, see LinearisedState::displacement_error.
   double displacement_error = 0;
   /// flags::unstable and flags::inertia_not_computed.
   Flags flags = 0;
@@ -74,8 +74,9 @@ class CondensedSystem {
   /// @param kept_factors At least 2: the factors at the start of a step and at its present state.
   /// @param precision The precision of factors. A saddle, and a body whose tangent at rest is too
   ///   near to singular for single precision, has full precision in any case.
-  /// @param terms Terms that set_terms() will give: what they couple is analysed at once.
-  /// @throws InputError a body that the linear solver cannot factorise.
+  /// @param terms Terms that set_terms() will give later: the pairs that they couple are analysed
+  ///   together with the body.
+  /// @throws InputError the linear solver cannot factorise the body.
   CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors,
                   Precision precision, const std::vector<const EnergyTerm*>& terms = {});
 
@@ -84,14 +85,14 @@ class CondensedSystem {
   ///   cell, is fixed or held along a direction, or is named twice.
   void set_interaction(const Interaction& interaction);
 
-  /// Gives the body energies besides that of its materials, and forgets all factors. It measures
-  /// anew how stiff each unknown is. Call it again when a term has changed by more than an old
-  /// factor can approximate, and set_rest() once the body has found its rest with them.
+  /// Gives the body further energies, besides that of its materials, and forgets all factors. It
+  /// measures anew how stiff each unknown is. Call it again when a term has changed by more than an
+  /// old factor can approximate, and set_rest() once the body has found its rest with them.
   /// @param terms They must outlive this object, or stay until the next call.
   void set_terms(std::vector<const EnergyTerm*> terms);
 
-  /// The rest of the body with its terms, from which the coordinates of tools that prescribe points
-  /// count. It is the undeformed state until this is called.
+  /// Sets the rest of the body with its terms. The coordinates of tools that prescribe points count
+  /// from it. Until this is called, it is the undeformed state.
   void set_rest(const NodalVector& state);
 
   [[nodiscard]] const Assembly& assembly() const { return assembly_; }
@@ -208,7 +209,7 @@ class CondensedSystem {
   [[nodiscard]] double condition(const CondensedTangent& tangent, TangentFactor& factor) const;
 
  private:
-  /// Entries of coordinate_of_unknown_ that are no coordinates.
+  /// Entries of coordinate_of_unknown_ that do not stand for a coordinate.
   static constexpr Index kFree = -1;
   static constexpr Index kIdle = -2;
 

@@ -38,7 +38,7 @@ class KrylovTangent {
 
   /// Takes a tangent. The values must outlive their use.
   void take(const std::vector<double>& values);
-  /// Whether these values are those that were taken last.
+  /// Whether these values were taken last.
   [[nodiscard]] bool has(const std::vector<double>& values) const { return values_ == &values; }
 
   /// Overwrites each column with the solution for it, by the tangent that was taken.

@@ -88,7 +88,7 @@ constexpr int kMaxGradientSteps = 14;
 constexpr double kLastRefinement = 1e-4;
 constexpr int kMaxRefinements = 4;
 
-/// The allowed relative residual of a Newton step, of which only the length counts.
+/// The allowed relative residual of a Newton step that is computed only for its length.
 constexpr double kNewtonStepError = 1e-2;
 
 /// −∂²Π/∂x_i∂q − K_ii v.

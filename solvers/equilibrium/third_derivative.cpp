@@ -13,8 +13,8 @@ namespace palpate {
 namespace {
 
 /// The largest strain of a difference step. The relative error of the difference is its square.
-/// Rounding, 1e-16 over the square, is as large at a third of this strain. The error of T is 1e-7
-/// in all, also where the body is stiff against changes of volume. v may have a larger error.
+/// Rounding, 1e-16 over the square, is as large at a third of this strain. The total error of T is
+/// 1e-7, even where the body is stiff against changes of volume. v may have a larger error.
 constexpr double kStrain = 3e-4;
 /// The longest step as a share of the displacement scale: the potential of a tool has a scale of
 /// its own.

@@ -57,7 +57,7 @@ class RigidContact final : public Interaction {
   void add_hessian(const Eigen::VectorXd& q, const NodalVector& state,
                    PotentialHessian& hessian) const override;
 
-  /// What a tool at q touches.
+  /// The part of the body that a tool at q touches.
   struct Patch {
     /// The pressure at each point of the mesh, Pa: the mean over the surface around it.
     std::vector<double> pressure;

@@ -101,8 +101,8 @@ class ToolClearance {
   /// The rotation of the tool, the same at all places.
   Mat3 rotation_;
   std::shared_ptr<const ContactSurface> surface_;
-  /// The reach of the layer of contact and twice the error of the shape, m: what the shape
-  /// gives for two places differs by no more than their distance and that.
+  /// The reach of the layer of contact plus twice the error of the shape, m. The values of the
+  /// shape at two places differ by no more than their distance plus twice that error.
   double margin_;
   SurfaceTree body_;
   /// The balls of the shape, in the axes of the scene.

@@ -37,7 +37,7 @@ inline constexpr Flags kMarking = flags::inverted | flags::unstable | flags::nea
 
 class CheckPointGrid {
  public:
-  /// Of several levels of a check-point, the first usable one is taken. Configurations without
+  /// If a check-point has several levels, the first usable one is taken. Configurations without
   /// finite energy, force and stiffness are not used.
   /// @throws InputError as CellTree, a half-width that is not positive, or a configuration that
   ///   does not lie at its check-point.
@@ -149,8 +149,8 @@ class CheckPointGrid {
   }
 
  private:
-  /// unknown: no configuration of the tool space is usable. lacks_free: corners without a usable
-  /// configuration are free all the same.
+  /// unknown: no configuration of the tool space is usable. lacks_free: all corners that lack a
+  /// usable configuration are nevertheless free.
   enum class State : char { unknown, zero, lacks_corner, lacks_free, complete, marked, across };
   static constexpr Place kPlaceIn[] = {Place::nowhere, Place::free, Place::cell, Place::cell,
                                        Place::cell,    Place::cell, Place::cell};

@@ -76,7 +76,7 @@ struct CellEstimate {
 inline constexpr std::int32_t kMarkedCorner = 4;
 inline constexpr std::int32_t kMarkedEdge = 8;
 
-/// What is to be done to reach a tolerance.
+/// The next refinement that is needed to reach a tolerance.
 struct Refinement {
   /// The estimates of all leaves, in the order of their cells.
   std::vector<CellEstimate> estimates;

@@ -41,11 +41,13 @@ inline constexpr int kHermiteStencil = 5;
 struct HermiteDataOptions {
   /// The number of nodes in a difference, kHermiteStencil or fewer.
   int most = kHermiteStencil;
-  /// If no more than `most` nodes stand in a row, a difference uses one node less than the row has.
+  /// Whether a difference uses one node less than its row has if no more than `most` nodes stand in
+  /// the row.
   bool fewer_in_short_rows = false;
   /// Whether third derivatives are used where they are known.
   bool third_derivatives = true;
-  /// If false, nodes that are not usable are zero, and no node hangs on a leaf with such a corner.
+  /// Whether extrapolated nodes are used. If not, they are zero, and no node hangs on a leaf with
+  /// such a corner.
   bool extrapolated_nodes = true;
 };
 

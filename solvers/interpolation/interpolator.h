@@ -61,11 +61,12 @@ enum class Method : int {
 }
 
 struct InterpolationOptions {
-  /// RBF: a linear polynomial is added to the radial functions.
+  /// RBF: whether a linear polynomial is added to the radial functions.
   bool linear_polynomial = true;
-  /// RBF: intermediate states are centres too.
+  /// RBF: whether intermediate states are centres too.
   bool intermediate_states = true;
-  /// Energy Hermite and extrapolated nodes: third derivatives are used where they are known.
+  /// Energy Hermite and extrapolated nodes: whether third derivatives are used where they are
+  /// known.
   bool third_derivatives = true;
 };
 

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// The corners that move a node, with the weight of each.
+/// The corners that move a node, and the weight of each corner.
 struct Parents {
   int count = 0;
   Index corner[2] = {-1, -1};

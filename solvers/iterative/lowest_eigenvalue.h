@@ -84,7 +84,7 @@ struct Inertia {
   double lowest_eigenvalue = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What is known of the inertia without a factor.
+/// Tells what is known of the inertia without a factor.
 /// @param setup The report of a preconditioner for this matrix, if one was tried.
 [[nodiscard]] Inertia inertia_of(const LowestEigenvalue& lowest, const SetupReport& setup = {});
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a library of direct solvers does for DirectSolver: it factorises a matrix whose rows are all
-// of order one, and does not judge whether it is singular.
+// The part of a direct solver that is left to a library. It factorises a matrix whose rows are all
+// of order one, and does not judge whether the matrix is singular.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all direct solvers have in common: the scaling, and the decision whether a matrix is
-// singular.
+// The part that all direct solvers have in common: the scaling, and the decision whether a matrix
+// is singular.
 #pragma once
 
 #include <memory>
