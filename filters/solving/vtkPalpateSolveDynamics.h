@@ -5,32 +5,39 @@
  * paths
  *
  * Inputs: a body with material, density and boundary (see vtkPalpateScene.h); the paths of the
- * tools, a table (vtkPalpateToolPath.h); the surface of a tool, where it is one. The tools are the
- * active nodes, in their order, and then rigid ones of one shape, as many as the table has columns
- * for. The coordinates of a node are its displacement, those of a rigid tool the place of its
- * centre.
+ * tools, a table (vtkPalpateToolPath.h); the surface of the rigid tools, if they have the shape of
+ * one. The tools are the active nodes, in their order, and then rigid tools of one shape, as many
+ * as the table has columns for. The coordinates of a node are its displacement, and those of a
+ * rigid tool are the place of its centre.
  *
- * First output: the body at the time that is asked for, s, with the point array `Displacement` (m),
- * with rigid tools also `ContactPressure` (Pa), and the field arrays
+ * First output: the body at the requested time, s, with the point array `Displacement` (m), with
+ * rigid tools also the point array `ContactPressure` (Pa), and with the field arrays
  *
- *   `Time`            s
- *   `ReactionForce`   force that holds each tool, N; a tuple a tool
- *   `ContactLayerForce`   only with rigid tools: what of the force of each is the error of the
- * layer in which it presses, N, by Hertz's stiffness (solvers/interaction/hertz_stiffness.h)
- *   `ContactMeshError`   only with rigid tools: by which share the force of each is expected to be
- * too large because of the size of the cells, see solvers/interaction/mesh_error.h
- *   `Outcome`, `Message`   how the run has ended, see solvers/base/outcome.h
+ *   `Time`                the time of the frame, s
+ *   `ReactionForce`       the force that holds each tool, N; a tuple a tool
+ *   `ContactLayerForce`   only with rigid tools: the part of the force of each that is the error of
+ *                         the layer in which it presses, N, by Hertz's stiffness
+ *                         (solvers/interaction/hertz_stiffness.h); a value a tool
+ *   `ContactMeshError`    only with rigid tools: the share by which the force of each is expected
+ *                         to be too large because of the size of the cells, see
+ *                         solvers/interaction/mesh_error.h; a value a tool
+ *   `Outcome`, `Message`  how the run has ended, see solvers/base/outcome.h
  *
  * Second output: a table of all steps,
  *
- *   `Time`, `StepLength` (s), `KineticEnergy`, `ElasticEnergy`, `WeightEnergy`, `ViscousEnergy`,
- *   `Dissipated`, `Work` (J, see palpate::EnergyAccount), `Position0`, … (m) and `Force0`, … (N) of
- *   each tool, `MinimumDetF`, `LocalError` (m), `Residual`, `Iterations`, `Halvings`, `Flags`,
- *   `Outcome`
+ *   `Time`, `StepLength`      the time at the end of the step, and the length of the step, s
+ *   `KineticEnergy`, `ElasticEnergy`, `WeightEnergy`, `ViscousEnergy`, `Dissipated`, `Work`
+ *                             the energies, J, see palpate::EnergyAccount
+ *   `Position0`, …            the coordinates of each tool, m
+ *   `Force0`, …               the force on each tool, N
+ *   `MinimumDetF`             the least det F
+ *   `LocalError`              an estimate of the error of the displacement in the step, m
+ *   `Residual`, `Iterations`, `Halvings`, `Flags`, `Outcome`
+ *                             the course of the step, see palpate::DynamicState
  *
- * The run is made once, when the first time is asked for; its frames are kept in a file
- * (vtkPalpateFrames.h). One that does not come to its end is a result, not an error: Outcome is not
- * 0, and the body stays as it was last. The whole result is on rank 0.
+ * The run is made once, when the first time is requested; its frames are kept in a file
+ * (vtkPalpateFrames.h). A run that does not come to its end is a result, not an error: Outcome is
+ * not 0, and the body stays as it was last. The whole result is on rank 0.
  */
 #pragma once
 

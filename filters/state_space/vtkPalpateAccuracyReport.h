@@ -5,38 +5,74 @@
  *
  * Input: a state space (see vtkPalpateStateSpace.h). Outputs:
  *
- *   0  vtkTable: a row for each method and grid; errors in per cent, see palpate::AccuracyRow
- *     `Method`, `Resolution` (check-points along an axis), `Spacing` (of them, m)
- *     `Samples`               configurations and intermediate states
- *     `PrecomputeSeconds` (on one core), `SetupSeconds`, `Bytes`     for each active node
- *     `EvaluationP50`, `EvaluationP999`                              ns
- *     `MeanError`, `P99Error`, `LargestError`                        relative, of the force, %
- *     `MeanErrorN`, `P99ErrorN`, `LargestErrorN`                     absolute, N
- *     `LargestForce`          exact, at the test points that count, N
- *     `Noticeable`            share of test points at which the relative error exceeds 10 %, %
- *     `NearRestError`         largest relative error within 1 % of the half-width, or where a
- *                             rigid tool begins to touch, %
- *     `MeanMarkedError`, `LargestMarkedError`, `LargestExtrapolatedError`   relative, elsewhere, %
- *     `MeanStiffnessError`    relative, %
- *     `MeanDisplacementError`, `LargestDisplacementError`   of the surface, % of the largest
- *     `LoopWork`              around closed paths, share of the largest energy on it
- *     `ForceJump`, `StiffnessJump`                           across cells, share of the largest
- *     `TestPoints`, `Counted`, `Marked`, `Extrapolated`, `Irregular`, `Failed`   numbers of points
- *   1  vtkPolyData: the test points, a vertex each at the displaced active node, or the place of
- *      the rigid tool
- *     `ActiveNode`, `Kind` (0 anywhere, 1 on a walk or slide, 2 near rest or where the tool begins
- *     to touch), `Displacement` (m; of a rigid tool its place),
- *     `Force` (N), `Energy` (J), `Outcome`, `Flags`, `Found`,
- *     `Class` (0 counted, 1 marked, 2 extrapolated, 3 irregular, 4 failed), and for each method
- *     `Error (<method>)`      relative, %; NaN where nothing is known
- *   2  vtkTable: as 0 for each active node, or for the rigid tool, with the columns `ActiveNode`
- *      (−1: a rigid tool) and `Tool` (its name)
- *   3  vtkTable: for charts, a row for each method and grid
- *     `Time` (`EvaluationP50`), `Bytes`, `PrecomputeSeconds`         as above
- *     `<method>`              `MeanError` in the rows of the method, NaN in the others
+ * 0  vtkTable: a row for each method and grid, see palpate::AccuracyRow
  *
- * Field arrays of 0: `Solved`, `Reused` (test points), `Ranks`, `ExactSeconds`, `MeasureSeconds`,
- * `SolveSeconds` (mean of an exact solve), `Complete`.
+ *   `Method`                    the method of interpolation
+ *   `Resolution`, `Spacing`     the number of check-points along an axis, and their distance, m
+ *   `Samples`                   the number of configurations and intermediate states
+ *   `PrecomputeSeconds`         the time to compute these on one core, for an active node, s
+ *   `SetupSeconds`, `Bytes`     the setup time, s, and the memory of the method, for an active node
+ *   `EvaluationP50`, `EvaluationP999`
+ *                               the median and the 99.9th percentile of the time of an evaluation,
+ *                               ns
+ *   `MeanError`, `P99Error`, `LargestError`
+ *                               the relative error of the force, %
+ *   `MeanErrorN`, `P99ErrorN`, `LargestErrorN`
+ *                               the absolute error of the force, N
+ *   `LargestForce`              the largest exact force at the test points that count, N
+ *   `Noticeable`                the share of test points whose relative error exceeds 10 %, %
+ *   `NearRestError`             the largest relative error within 1 % of the half-width from rest,
+ *                               or where a rigid tool begins to touch, %
+ *   `MeanMarkedError`, `LargestMarkedError`
+ *                               the relative error in marked regions, %
+ *   `LargestExtrapolatedError`  the largest relative error where the force is extrapolated, %
+ *   `MeanStiffnessError`        the relative error of the stiffness, %
+ *   `MeanDisplacementError`, `LargestDisplacementError`
+ *                               the error of the surface's displacement, % of the largest one
+ *   `LoopWork`                  the largest work around a closed path, as a share of the largest
+ *                               energy on the path
+ *   `ForceJump`, `StiffnessJump`
+ *                               the largest jumps across cells, as shares of the largest force and
+ *                               stiffness
+ *   `TestPoints`                the number of test points
+ *   `Counted`, `Marked`, `Extrapolated`, `Irregular`, `Failed`
+ *                               the number of test points in each class
+ *
+ * 1  vtkPolyData: the test points, each a vertex at the displaced active node, or at the place of
+ *    the rigid tool
+ *
+ *   `ActiveNode`                the active node; −1: a rigid tool
+ *   `Kind`                      0 anywhere, 1 on a walk or slide, 2 near rest or where the tool
+ *                               begins to touch
+ *   `Displacement`              the displacement of the node, or the place of a rigid tool, m
+ *   `Force`, `Energy`           the exact force, N, and energy, J
+ *   `Outcome`, `Flags`          how the exact solve ended
+ *   `Found`                     how far the space can be trusted there, see palpate::Support
+ *   `Class`                     0 counted, 1 marked, 2 extrapolated, 3 irregular, 4 failed
+ *   `Error (<method>)`          the relative error of each method, %; NaN where nothing is known
+ *
+ * 2  vtkTable: as output 0, but with a row for each active node, or for the rigid tool, and with
+ *    two more columns
+ *
+ *   `ActiveNode`                the active node; −1: a rigid tool
+ *   `Tool`                      the name of the tool
+ *
+ * 3  vtkTable: for charts, with a row for each method and grid
+ *
+ *   `Time`                      `EvaluationP50` of output 0
+ *   `Bytes`, `PrecomputeSeconds`
+ *                               as in output 0
+ *   `<method>`                  `MeanError` in the rows of the method, NaN in the others
+ *
+ * Output 0 has field arrays of the run:
+ *
+ *   `Solved`, `Reused`          the numbers of test points that were solved in this run, and that
+ *                               were taken from the file
+ *   `Ranks`                     the number of ranks
+ *   `ExactSeconds`              the time of the exact solves, s
+ *   `MeasureSeconds`            the time of the measurements, s
+ *   `SolveSeconds`              the mean time of an exact solve on one core, s
+ *   `Complete`                  1 unless the run was aborted
  *
  * Runs on all ranks of the global controller. The results are whole on rank 0 and empty elsewhere.
  */

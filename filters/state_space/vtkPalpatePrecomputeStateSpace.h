@@ -6,21 +6,31 @@
  * Input: a body with material and boundary (see vtkPalpateScene.h). Output: its state space (see
  * vtkPalpateStateSpace.h), with these field arrays of the run on `Configurations`:
  *
- *   `FileName`, `Ranks`, `Cells`, `Unknowns` (with those of the first active node, and of the patch
- * that moves with it, eliminated) `Solved`, `Reused`      configurations of this run, and those
- * taken from the file `NotReached`            check-points that no usable configuration leads to,
- * or that an abort left `Complete`              1 unless aborted `IntermediateStatesSolved`,
- * `IntermediateStatesFailed`, `IntermediateStatesSeconds`   of this run, beside its configurations;
- * the time is the sum of all ranks `ExplorationSeconds`, `FinishingSeconds`   wall time of the
- * solves, and of what follows them `AssemblySeconds`, `FactorisationSeconds`, `SolveSeconds`   mean
- * of one, in this run `FloorSeconds`          of a configuration: one assembly, one factorisation,
- * three solves
+ *   `FileName`                  the file of the space
+ *   `Ranks`, `Cells`            the numbers of ranks, and of cells of the body
+ *   `Unknowns`                  the number of unknowns, without those of the first active node and
+ *                               of the patch that moves with it
+ *   `Solved`, `Reused`          the numbers of configurations that were solved in this run, and
+ *                               that were taken from the file
+ *   `NotReached`                the number of check-points to which no usable configuration leads,
+ *                               or that an abort left
+ *   `Complete`                  1 unless the run was aborted
+ *   `IntermediateStatesSolved`  the number of intermediate states that were solved in this run;
+ *                               they do not count as configurations
+ *   `IntermediateStatesFailed`  the number of those that did not converge
+ *   `IntermediateStatesSeconds` the time of the intermediate states, summed over all ranks, s
+ *   `ExplorationSeconds`        the wall time of the exploration, s
+ *   `FinishingSeconds`          the wall time of what follows the exploration, s
+ *   `AssemblySeconds`, `FactorisationSeconds`, `SolveSeconds`
+ *                               the mean time of one such operation in this run, s
+ *   `FloorSeconds`              the least time of a configuration, s: one assembly, one
+ *                               factorisation and three solves
  *
- * Runs on all ranks of the global controller. The result is whole on rank 0 and empty elsewhere.
- * An abort keeps what was found; with a FileName the next run goes on from there.
+ * Runs on all ranks of the global controller. The result is whole on rank 0 and empty elsewhere. An
+ * abort keeps what was found; with a FileName, the next run continues from there.
  *
- * With an UpdateInterval the space grows: an execution ends after that time, with what was found,
- * and the next one goes on. In ParaView's window that comes by itself, see GetNeedsUpdate().
+ * With an UpdateInterval the space grows: an execution ends after that time with what was found,
+ * and the next one goes on. ParaView's window starts the next one by itself, see GetNeedsUpdate().
  */
 #pragma once
 

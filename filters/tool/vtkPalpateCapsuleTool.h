@@ -16,17 +16,17 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /// m; more than 0.
+  /// The radius of the rod and its ends, m; more than 0.
   vtkSetMacro(Radius, double);
   vtkGetMacro(Radius, double);
   ///@}
   ///@{
-  /// Along the rod, of any length but 0.
+  /// The direction of the rod, a vector of any length but 0.
   vtkSetVector3Macro(Axis, double);
   vtkGetVector3Macro(Axis, double);
   ///@}
   ///@{
-  /// Of the straight part, m.
+  /// The length of the straight part, m.
   vtkSetMacro(Length, double);
   vtkGetMacro(Length, double);
   ///@}

@@ -3,7 +3,8 @@
  * @class vtkPalpateMotion
  * @brief how the coordinates of a rigid tool place and turn it
  *
- * A subclass has the properties of one kind of motion, as palpate::MotionKind has its numbers.
+ * A subclass has the properties of one kind of motion. A palpate::MotionKind gives a meaning to the
+ * numbers in which they are stored.
  */
 #pragma once
 

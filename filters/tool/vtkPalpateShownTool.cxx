@@ -19,10 +19,10 @@
 
 namespace
 {
-/// Voxels across the largest extent of a tool.
+/// The number of voxels across the largest extent of a tool.
 constexpr int VoxelsAcross = 48;
 
-/// Where the distance to a shape is 0.
+/// The surface on which the distance to a shape is 0.
 vtkSmartPointer<vtkPolyData> Contour(const palpate::RigidShape& shape)
 {
   const Eigen::AlignedBox3d box = shape.bounds();

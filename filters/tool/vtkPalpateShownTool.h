@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a rigid tool is shown by.
+// The surface by which a rigid tool is shown.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 class vtkPolyData;
 
-/// A surface of these triangles, m.
+/// The surface of these triangles; the places of its points are in m.
 PALPATETOOL_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateTriangles(
   const std::vector<palpate::Vec3>& places,
   const std::vector<std::array<palpate::Index, 3>>& triangles);

@@ -16,7 +16,7 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /// m; more than 0.
+  /// The radius, m; more than 0.
   vtkSetMacro(Radius, double);
   vtkGetMacro(Radius, double);
   ///@}

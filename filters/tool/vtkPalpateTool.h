@@ -3,8 +3,9 @@
  * @class vtkPalpateTool
  * @brief a rigid tool that presses a body without friction, by its properties
  *
- * A subclass has the properties of one shape, as palpate::ShapeKind has its numbers. How the tool
- * is moved, and the layer in which it presses, are the same for all shapes.
+ * A subclass has the properties of one kind of shape. A palpate::ShapeKind gives a meaning to the
+ * numbers in which they are stored. The motion of the tool, and the layer in which it presses, are
+ * properties of all shapes.
  */
 #pragma once
 
@@ -31,8 +32,8 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /// Of the layer in which contact acts, m; 0: a fifth of the radius of the tool, or of half of its
-  /// smallest extent.
+  /// The thickness of the layer in which contact acts, m; 0: a fifth of the radius of the tool, or
+  /// of half of its smallest extent.
   vtkSetMacro(ContactThickness, double);
   vtkGetMacro(ContactThickness, double);
   ///@}
@@ -47,14 +48,16 @@ public:
   vtkPalpateMotion* GetMotion();
   ///@}
 
-  /// Later where its motion was changed, too.
+  /// The time of the last change of the tool or of its motion.
   vtkMTimeType GetMTime() override;
 
   /// Whether the tool has the shape of the surface that is connected to a filter.
   virtual bool HasShapeOfSurface() const { return false; }
-  /// The tool. What is 0 of its contact stays so, see palpate::with_defaults().
-  /// @param surface What is connected; null where it is not needed or missing.
-  /// @throws palpate::InputError the surface is needed, and is missing or none.
+  /// Returns the tool in numbers. A thickness or stiffness of 0 is not replaced here, see
+  /// palpate::with_defaults().
+  /// @param surface The surface that is connected to the filter; null if it is not needed or
+  ///   missing.
+  /// @throws palpate::InputError the surface is needed but missing, or is not valid.
   palpate::RigidTool Describe(vtkPolyData* surface) const;
 
   ///@{

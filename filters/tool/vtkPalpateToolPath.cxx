@@ -60,7 +60,7 @@ std::vector<double> Column(vtkTable* table, const std::string& name)
   return values;
 }
 
-/// Lets a tool go where its column says so.
+/// Lets a tool go at the time that its column of the table says.
 void LetGo(vtkTable* table, int tool, const std::vector<double>& times, palpate::ToolPath& path)
 {
   const std::string name = "Tool" + std::to_string(tool) + "_Held";

@@ -5,36 +5,40 @@
  * somewhere
  *
  * Input: a state space (see vtkPalpateStateSpace.h). Output: the surface of the body, deformed,
- * with the point arrays `Displacement` (m) and `Normals`, and field arrays
+ * with the point arrays `Displacement` (m) and `Normals`, and the field arrays
  *
- *   `Force`      that holds the node, N; a hand feels its opposite
- *   `Stiffness`  its derivative by the displacement, N/m, 9
- *   `Energy`     J
- *   `Found`      0 no, 1 inside, 2 extrapolated, 3 in a marked region (inverted or unstable)
- *   `Outcome`    how the solves ended that it comes from, see outcome_at() and Outcome
- *   `Branch`     which of the branches of a space with levels the body is on; 0: that of rest
- *   `ActiveNode`, `ActivePosition` (m, displaced)
+ *   `Force`             the force that holds the node or the tool, N; a hand feels its opposite
+ *   `Stiffness`         the derivative of the force by the displacement [9], N/m
+ *   `Energy`            the energy, J
+ *   `Found`             0 no, 1 inside, 2 extrapolated, 3 in a marked region (inverted or unstable)
+ *   `Outcome`           how the solves ended from which the answer comes, see outcome_at() and
+ *                       Outcome
+ *   `Branch`            the branch that the body is on, in a space with levels; 0: that of rest
+ *   `ActiveNode`        the active node
+ *   `ActivePosition`    the displaced place of the active node, m
  *
- * Of the space of a rigid tool, which is where ToolPosition says, there are in place of the last
- * three
+ * The tool space of a rigid tool, whose centre is at ToolPosition, has instead of the last three
  *
- *   `ToolPosition` of the tool's centre, m
- *   `ContactArea`  the area at rest on which it presses, m^2
- *   `ContactLayerForce`, `ContactMeshError`  as of vtkPalpateSolveEquilibrium
+ *   `ToolPosition`      the place of the centre of the tool, m
+ *   `ContactArea`       the area at rest on which the tool presses, m^2
+ *   `ContactLayerForce`, `ContactMeshError`
+ *                       as in vtkPalpateSolveEquilibrium
  *
- * and the point array `ContactPressure` (Pa). What it does to the surface is read from the file of
- * the space, as below.
+ * and the point array `ContactPressure` (Pa). What the tool does to the surface is read from the
+ * file of the space, as below.
  *
- * With `Stress` it also has the point arrays of vtkPalpateStress.h. With `WholeBody` the second
- * output is the body, deformed, with the point array `Displacement` and what describes the scene
- * (see vtkPalpateScene.h), with `Stress` its cell and point arrays; else it is empty. Both read the
- * displacement of the whole body from the file of the space, as far as it is needed where the node
- * is; where that fails, an error tells why, once, and what depends on it is left out.
+ * With `Stress` the surface also has the point arrays of vtkPalpateStress.h. With `WholeBody` the
+ * second output is the deformed body, with the point array `Displacement`, the arrays that describe
+ * the scene (see vtkPalpateScene.h) and, with `Stress`, the cell and point arrays of stress.
+ * Otherwise it is empty. Both options read the displacement of the whole body from the file of the
+ * space, as far as it is needed at the place of the node. If that fails, an error says why, once,
+ * and what depends on it is left out.
  *
  * In a space with levels the result depends on the way of the body: the node moves straight from
  * rest to StartDisplacement and straight on to Displacement, and the body jumps from branch to
- * branch where it has to. Or the branch is given, at the start (StartBranch) or at the end
- * (Branch). The output depends on the input and on the properties alone, not on earlier executions.
+ * branch where it has to. Alternatively the branch is given, at the start (StartBranch) or at the
+ * end (Branch). The output depends on the input and on the properties alone, not on earlier
+ * executions.
  *
  * Everything that does not depend on the displacement is kept from one execution to the next. Under
  * MPI the result is whole on rank 0 and empty elsewhere.
@@ -74,12 +78,11 @@ public:
   /// node.
   vtkSetMacro(ActiveNode, vtkIdType);
   vtkGetMacro(ActiveNode, vtkIdType);
-
+  ///@}
   ///@{
   /// The body on which the active node is, of a space of several bodies; 1 is the first one.
   vtkSetMacro(BodyNumber, vtkIdType);
   vtkGetMacro(BodyNumber, vtkIdType);
-  ///@}
   ///@}
   ///@{
   /// How far it is displaced from rest, m.

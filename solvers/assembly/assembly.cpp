@@ -169,7 +169,8 @@ struct Assembly::Data {
   /// The pressure of each corner of each mixed cell, −1 for other cells [num_cells × 4]; empty if
   /// there is no mixed cell.
   std::vector<Index> pressure_of_corner;
-  /// The index of each pressure among the unknown ones, −1: it is none [num_pressures].
+  /// The index of each pressure among those that are unknowns; −1: it is not an unknown
+  /// [num_pressures].
   std::vector<Index> unknown_of_pressure;
   /// Least shear modulus of the mixed materials, Pa.
   double softest = std::numeric_limits<double>::infinity();

@@ -42,7 +42,7 @@ struct Memory {
 class Assembly {
  public:
   /// The scene is copied as far as it is needed, and need not outlive this object.
-  /// @throws InputError a cell whose mapping is not one to one (a Tet10 with bad midside nodes).
+  /// @throws InputError the mapping of a cell is not one to one (a Tet10 with bad midside nodes).
   explicit Assembly(const Scene& scene);
   ~Assembly();
   Assembly(Assembly&&) noexcept;
@@ -80,7 +80,7 @@ class Assembly {
     /// J; infinite if a law is not defined (det F ≤ 0).
     double energy = 0;
     /// Least det F over the quadrature points; 1 for cells of the linear law, which is defined for
-    /// any.
+    /// any det F.
     double minimum_det_f = 1;
   };
 
@@ -100,8 +100,8 @@ class Assembly {
   };
 
   /// The least det F over quadrature points and corners of all cells. If det F is positive at these
-  /// but not everywhere between them, a non-positive value from there is taken. So the result is
-  /// positive only if det F is positive everywhere.
+  /// but not everywhere between them, the result is a non-positive value from between them. So it
+  /// is positive only if det F is positive everywhere.
   /// @param state The first 3 num_points components, the displacement, suffice.
   [[nodiscard]] Determinant minimum_det_f(const NodalVector& state) const;
   /// The least det F of each cell [num_cells].
@@ -117,8 +117,8 @@ class Assembly {
   [[nodiscard]] std::vector<std::vector<Index>> cells_of_groups() const;
   /// Tensors for all quadrature points, set to 0.
   [[nodiscard]] PointTensors make_point_tensors() const;
-  /// S of the law, Pa, and E at each quadrature point. S of a mixed material is without its
-  /// pressure.
+  /// Compute S of the law, Pa, and E at each quadrature point. S of a mixed material does not
+  /// include its pressure.
   void stress_at_points(const NodalVector& state, PointTensors& stress) const;
   void strain_at_points(const NodalVector& state, PointTensors& strain) const;
   /// The weight of each quadrature point, m³: a list for each group [packets × points × 8].
@@ -128,8 +128,8 @@ class Assembly {
   /// @returns The potential, J.
   double add_memory(const Memory& memory, const NodalVector& state, NodalVector& force,
                     std::vector<double>* values = nullptr) const;
-  /// Multiplies the energy of each material by a factor above 0 from now on; for a mixed material
-  /// W_rest alone, see materials/material.h.
+  /// Multiplies the energy of each material by a factor above 0 from now on. For a mixed material,
+  /// only W_rest is multiplied, see materials/material.h.
   /// @param scene The scene of which the assembly was made.
   /// @param factors One for each material.
   void scale_energy(const Scene& scene, const std::vector<double>& factors);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A body: one discretisation of an organ. It has a mesh, and upon this mesh what the organ is made
-// of, where it is held and may be touched, and what pushes and pulls at its surface.
+// A body is one discretisation of an organ. It has a mesh, and says for this mesh where each
+// material lies, where the organ is held and may be touched, and which loads push and pull at its
+// surface.
 #pragma once
 
 #include <vector>
@@ -10,8 +11,8 @@
 
 namespace palpate {
 
-/// The directions along which a point is held, as a plane of symmetry holds it: none, one or two,
-/// orthonormal; columns without one are zero.
+/// The directions along which a point is held, as by a plane of symmetry. There are none, one or
+/// two; they are orthonormal, and the columns without a direction are zero.
 using HeldDirections = Eigen::Matrix<double, 3, 2>;
 
 struct Body {
@@ -22,8 +23,8 @@ struct Body {
   std::vector<char> fixed;
   /// 1 for each point that may be touched [num_points].
   std::vector<char> touchable;
-  // The following are empty if the body has none. A face of the surface has what all of its corners
-  // have, with linear values in between.
+  // The following arrays are empty if the body has nothing of their kind. A spring or load acts on
+  // a face of the surface if all corners of the face have it; its values are linear in between.
 
   /// Directions along which the displacement is 0 [num_points].
   std::vector<HeldDirections> held_directions;

@@ -3,8 +3,8 @@
 // or of inertia in a time step.
 //
 // A term that couples only points of one cell adds its second derivative to the values of the
-// materials. One that couples other points too tells these pairs, and gives a block for each. The
-// pattern of the system then has room for them (equilibrium/system_pattern.h).
+// materials. A term that also couples other points names these pairs, and gives a block for each.
+// The pattern of the system then has room for them (equilibrium/system_pattern.h).
 #pragma once
 
 #include <limits>
@@ -25,9 +25,9 @@ class EnergyTerm {
   virtual double add(const NodalVector& state, NodalVector& force,
                      std::vector<double>* values) const = 0;
 
-  /// The pairs of points for which the term gives blocks. They may be more than it couples in one
-  /// state: as long as they stay among those that were told before, nothing is analysed anew. They
-  /// may change between two solves, not within one.
+  /// The pairs of points for which the term gives blocks. There may be more of them than the term
+  /// couples in one state: as long as each pair was named before, nothing is analysed anew. They
+  /// may change between two solves, but not within one.
   [[nodiscard]] virtual std::vector<PointPair> couplings() const { return {}; }
   /// Sets ∂²/∂u_a∂u_b for each of couplings(), in their order, N/m.
   virtual void take_blocks(const NodalVector& /*state*/, std::vector<Mat3>& /*blocks*/) const {}

@@ -3,9 +3,9 @@
 //
 //   −Σ_a u_a · (∫ ρ g N_a dV + ∫ t N_a dA) + p (V(u) − V(0)) + ½ ∫ κ |u|² dA
 //
-// with areas and volumes at rest, except V: the volume that the pressed surface encloses together
-// with any surface that does not move. Its change is the volume that the surface sweeps on the way
-// from rest,
+// Areas and volumes are those at rest, except V, which is the volume that the pressed surface
+// encloses together with any surface that does not move. The change of V is the volume that the
+// surface sweeps on the way from rest,
 //
 //   V(u) − V(0) = ∫₀¹ ∫ u · n dA ds   on the surface x + s u, with its outward normal n,
 //
@@ -28,7 +28,7 @@
 namespace palpate {
 
 /// K_s of the springs that support the surface; nothing if there are none.
-/// @param body One that check() accepts.
+/// @param body A body that check() accepts.
 [[nodiscard]] std::optional<PointMatrix> springs_of(const Body& body, const Assembly& assembly);
 
 class ExternalEnergy final : public EnergyTerm {
@@ -39,7 +39,8 @@ class ExternalEnergy final : public EnergyTerm {
   /// Sets the share of all loads that acts; springs always act fully.
   void set_share(double share) { share_ = share; }
 
-  /// Makes the energy count from a state: there it is zero, together with that of the materials.
+  /// Makes the energy count from a state, at which the sum of this energy and that of the materials
+  /// is zero.
   /// @param of_materials The energy of the materials in that state, J.
   void count_from(const NodalVector& rest, double of_materials);
 

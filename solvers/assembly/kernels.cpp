@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Compiled once for each instruction set, see PALPATE_INSTRUCTION_SET in base/simd.h.
+// This file is compiled once for each instruction set, see PALPATE_INSTRUCTION_SET in base/simd.h.
 #include "assembly/kernels.h"
 
 #include <limits>

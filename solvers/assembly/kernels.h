@@ -28,9 +28,9 @@ struct BlockTarget {
   std::int32_t column_length = 0;
 };
 
-/// A group of elements, of which some packets are processed. All arrays are those of the whole
-/// group, packet by packet, with the kPacketSize elements of a packet innermost. The last packet is
-/// filled up with copies of its last element that have no weight.
+/// A group of elements, and the range of its packets that is processed. All arrays are those of the
+/// whole group, packet by packet, with the kPacketSize elements of a packet innermost. The last
+/// packet is filled up with copies of its last element that have no weight.
 struct ElementGroupView {
   /// The range of packets to process, the last one not included. The group has num_packets.
   std::int32_t first_packet;
@@ -130,11 +130,12 @@ struct MemoryKernels {
                     double* values);
 };
 
-/// The memory kernels for an element order, with a linear material or another, on this processor.
+/// The memory kernels for an element order, and for linear materials or all others, on this
+/// processor.
 [[nodiscard]] const MemoryKernels& best_memory_kernels(int order, bool is_linear);
 
-/// The kernels for an element order (1, 2) and a law of energy, given by its number, with mixed
-/// elements or not, on this processor.
+/// The kernels for an element order (1, 2), a law of energy (given by its number), and mixed
+/// elements or others, on this processor.
 [[nodiscard]] const Kernels& best_kernels(int order, int law, bool is_mixed);
 
 }  // namespace palpate

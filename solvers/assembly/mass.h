@@ -3,8 +3,8 @@
 //
 //   M_ab = ∫ ρ N_a N_b dV  (consistent, the same for the three components),   f_a = ∫ ρ N_a dV g
 //
-// over the body at rest, with a rule of degree 5, which is exact for the products of the shape
-// functions of Tet10 with straight edges.
+// The integrals are over the body at rest. Their rule has degree 5, which is exact for the products
+// of the shape functions of Tet10 with straight edges.
 #pragma once
 
 #include <vector>

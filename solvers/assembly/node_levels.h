@@ -17,7 +17,7 @@ namespace palpate {
 
 /// The free nodes, and those among them that are corners, each numbered from 0.
 struct NodeLevels {
-  /// The two corners halfway between which a node lies [num_nodes × 2]: x = ½ (x₀ + x₁). For a
+  /// The two corners between which a node lies halfway [num_nodes × 2]: x = ½ (x₀ + x₁). For a
   /// corner both are itself. −1 stands for a corner that does not move.
   std::vector<std::array<Index, 2>> parents;
   /// The node of each corner [num_corners].

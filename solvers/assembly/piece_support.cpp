@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-/// Points whose spread across their line is below this share of that along it lie on a line.
+/// Points lie on a line if their spread across it is below this share of their spread along it.
 constexpr double kLine = 1e-6;
 /// The number of loose pieces that are described, the largest first.
 constexpr std::size_t kMostDescribed = 3;

@@ -35,7 +35,7 @@ class PieceSupport {
     /// The places at which it is fixed, m.
     std::vector<Vec3> fixed;
   };
-  /// The message of require_held(); nothing: there is none.
+  /// The message of require_held(); nothing: all pieces are held.
   /// @param held The places at which each piece of weak_ is held.
   [[nodiscard]] std::optional<std::string> find_loose_pieces(
       const std::vector<std::vector<Vec3>>& held) const;

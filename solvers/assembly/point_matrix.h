@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A symmetric matrix that couples points, the same for the three components, such as that of mass
-// or of springs. It couples only points of one cell, so that it can be added to a tangent on the
-// pattern of the assembly.
+// A symmetric matrix that couples points and is the same for the three components, such as the
+// matrix of mass or of springs. It couples only points of one cell, so that it can be added to a
+// tangent on the pattern of the assembly.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -12,8 +12,8 @@
 
 namespace palpate {
 
-/// Positions in the values of a tangent of the 3 × 3 block of two points: for each of its three
-/// columns that of the first row, or in a diagonal block that of the diagonal.
+/// The positions of the 3 × 3 block of two points in the values of a tangent. For each of its three
+/// columns this is the position of the first row or, in a diagonal block, of the diagonal.
 /// @param row, column The first unknown of each point; row ≥ column.
 [[nodiscard]] std::array<Index, 3> block_positions(const SymmetricPattern& pattern, Index row,
                                                    Index column);

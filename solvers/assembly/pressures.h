@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pressures of mixed cells. A mixed cell has one at each of its corners, and shares it with the
-// other cells there that have the same law and a stiffness of the same decade.
+// The pressures of mixed cells. A mixed cell has a pressure at each of its corners, and shares it
+// with the other cells at the corner that have the same law and a stiffness of the same decade.
 #pragma once
 
 #include <vector>

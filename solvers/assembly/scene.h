@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scene: an organ as one of its bodies. This is what an equilibrium is computed of.
+// A scene is an organ with one of its bodies. Equilibria are computed for scenes.
 //
 // Under loads (external_energy.h), the body at rest is deformed: rest is the equilibrium of the
-// loads and the elastic forces without a tool. All that a tool does counts from there.
+// loads and the elastic forces without a tool. Whatever a tool does is counted from there.
 #pragma once
 
 #include <string>
@@ -25,7 +25,7 @@ struct Scene {
   }
 };
 
-/// The scene under gravity, m/s², not checked.
+/// Returns the scene under gravity, m/s², without checking it.
 /// @param rheologies One for each material; their densities are used.
 /// @param gravity Zero: the scene is returned as it is.
 [[nodiscard]] Scene with_gravity(Scene scene, const std::vector<Rheology>& rheologies,

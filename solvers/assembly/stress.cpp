@@ -78,7 +78,7 @@ StressField at_points(const StressField& cells, const TetMesh& mesh, const Eigen
       field.von_mises[point] += weight * cells.von_mises[c];
     }
   }
-  // 0/0 gives the intended NaN.
+  // Where there is no such volume, 0/0 gives the intended NaN.
   field.cauchy.array().rowwise() /= volume_with_stress.transpose().array();
   field.von_mises.array() /= volume_with_stress.array();
   field.principal_stretches.array().rowwise() /= volume.transpose().array();

@@ -2,10 +2,10 @@
 // Stress and stretch of the deformed body, with a value for each cell and for each point.
 //
 //   Cauchy stress        σ = F S Fᵀ / det F, with S = ∂W/∂E and, where the material is mixed, its
-//                        pressure; of the linear law σ = ∂W/∂ε. Of a cell the mean over its
-//                        deformed volume, σ̄ = ∫ σ dv / ∫ dv, which balances the forces on its
-//                        sides.
-//   von Mises stress     √(3/2 s : s), s the deviator of σ̄
+//                        pressure; σ = ∂W/∂ε for the linear law. The value of a cell is the mean
+//                        over its deformed volume, σ̄ = ∫ σ dv / ∫ dv, which balances the forces
+//                        on its sides.
+//   von Mises stress     √(3/2 s : s), where s is the deviator of σ̄
 //   principal stretches  the singular values of the cell's mean F, whatever its law
 //
 // At a point, each of them is the mean over the cells around it, weighted by volume at rest. If det

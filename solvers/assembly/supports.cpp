@@ -19,12 +19,13 @@ namespace {
 
 /// Directions that are orthonormal to this tolerance are not changed by a bit.
 constexpr double kOrthonormal = 1e-14;
-/// A second direction that differs from the first by less than this sine is the same.
+/// A second direction counts as the first if the sine of the angle between them is at most this.
 constexpr double kSameDirection = 1e-6;
 /// A rigid motion whose resistance is below this share of the largest one is free. Resistances are
 /// squares of lengths, so held points must lie 1e-5 of the body's size off a line.
 constexpr double kFreeMotion = 1e-10;
-/// A rim lies in a plane if it leaves it by less than this share of the length of its edges.
+/// A rim lies in a plane if it deviates from the plane by less than this share of the length of its
+/// edges.
 constexpr double kInPlane = 1e-6;
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -109,7 +110,7 @@ struct Resistance {
   Index num_points = 0;
   double radius = 0;
   Mat6 gram = Mat6::Zero();
-  /// The piece has more than fixed points.
+  /// Whether the piece has supports besides fixed points.
   bool has_supports = false;
 
   void hold(const Vec3& at, const Vec3& along) {

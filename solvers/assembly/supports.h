@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Supports of a body besides fixed points, and loads on its surface: checks whether they make
-// sense.
+// Checks whether the supports of a body besides its fixed points, and the loads on its surface,
+// make sense.
 #pragma once
 
 #include "assembly/scene.h"
@@ -13,13 +13,13 @@ namespace palpate {
 }
 
 /// Holds a point along one more direction; three independent directions fix it.
-/// @param direction Of any length but 0.
+/// @param direction A vector of any length but 0.
 /// @param fixed The entry of the point in Body::fixed.
 void hold_along(const Vec3& direction, HeldDirections& held, char& fixed);
 
 /// The points that hold their pieces, for PieceSupport [num_points]: the fixed ones, and all points
 /// of pieces with other supports, which check() has found to be held.
-/// @param body One that check() accepts.
+/// @param body A body that check() accepts.
 [[nodiscard]] std::vector<char> holding_points(const Body& body);
 
 /// Checks the supports, and that each connected piece with supports besides fixed points is held
@@ -30,8 +30,8 @@ void hold_along(const Vec3& direction, HeldDirections& held, char& fixed);
 void check_supports(Body& body);
 
 /// Checks pressures and tractions. The rim of a surface under pressure must not move, or must slide
-/// in a plane: only then has the pressure an energy and a symmetric tangent. Arrays of zeros become
-/// empty.
+/// in a plane: only then does the pressure have an energy and a symmetric tangent. Arrays of zeros
+/// become empty.
 /// @param body Its supports are valid.
 /// @throws InputError says what is wrong, where, and what to do.
 void check_surface_loads(Body& body);

@@ -41,7 +41,7 @@ struct Couplings {
 /// @throws InputError as require_storable().
 [[nodiscard]] SymmetricPattern make_pattern(const Couplings& couplings);
 
-/// @throws InputError a pattern with so many values has positions that an Index cannot hold.
+/// @throws InputError an Index cannot hold the positions in a pattern with so many values.
 void require_storable(std::int64_t num_values);
 
 }  // namespace palpate

@@ -42,8 +42,8 @@ constexpr double kLeastTimeStep = 1e-12;
 /// Shortest step as a share of the whole time; a shorter one would be lost in rounding.
 constexpr double kLeastShare = 1e-12;
 
-/// Share of the longest step at which a tool that passes through the surface of the body does not
-/// do so because of the step's length.
+/// If a tool still passes through the surface of the body in a step of this share of the longest
+/// one, the length of the step is not the cause.
 constexpr double kShortestThrough = 1.0 / 16;
 
 bool ends_run(Outcome outcome) {
@@ -609,7 +609,7 @@ class DynamicSolver::Impl {
   StepTerm term_;
   /// Supports, and loads other than gravity; empty: there are none.
   std::optional<ExternalEnergy> external_;
-  /// Energies that are not of the scene.
+  /// Energy terms that do not follow from the scene.
   std::vector<const EnergyTerm*> further_;
   std::optional<Viscosity> viscosity_;
   /// The state of rest in which the motion begins [state_size].
@@ -618,7 +618,7 @@ class DynamicSolver::Impl {
   std::vector<Past> history_;
   /// The forces at the end of the last step without inertia, N [state_size].
   NodalVector unbalanced_;
-  /// The state at the end of the last step, and the solution of the last one that was tried.
+  /// The state at the end of the last step, and the solution of the step that was tried last.
   NodalVector last_x_;
   NodalVector solution_;
   /// The tool and the state of the last factor.

@@ -58,7 +58,7 @@ struct DynamicsOptions {
   EquilibriumOptions equilibrium;
 };
 
-/// @throws InputError a field out of its range, by name.
+/// @throws InputError a field is out of its range; the message names it.
 void validate(const DynamicsOptions& options);
 
 /// The energies since the beginning, J. Except for the dissipation of the method itself,
@@ -101,7 +101,8 @@ struct DynamicState {
   int halvings = 0;
   /// An estimate of the error of u in this step, m.
   double local_error = 0;
-  /// What went wrong, or in the last state what is notable about the run; empty: nothing.
+  /// What went wrong or, in the last state, what is notable about the run; empty: there is nothing
+  /// to say.
   std::string message;
 };
 
@@ -111,7 +112,7 @@ class DynamicSolver {
   /// @param tools A single tool or an InteractionList, which may be empty.
   /// @param linear_solver Null: tangents are solved for by iteration, see EquilibriumSolver.
   /// @param terms As for EquilibriumSolver.
-  /// @throws InputError as EquilibriumSolver; a body without density anywhere.
+  /// @throws InputError as EquilibriumSolver, or the body has no density anywhere.
   DynamicSolver(const Scene& scene, const std::vector<Rheology>& rheologies,
                 const Interaction& tools, DynamicsOptions options,
                 std::unique_ptr<LinearSolver> linear_solver = make_linear_solver(),

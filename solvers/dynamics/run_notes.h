@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// What is notable about the states of a run that goes on.
+/// Collects what is notable about the states of a run.
 class RunNotes {
  public:
   void add(const DynamicState& state);

@@ -4,13 +4,15 @@
 //
 //   c M (u − û) + f(u) + w (f_n − load) = load,   ∂E/∂t ≈ w₀ E(u) + w₁ E(u_n) + w₂ E(u_{n−1})
 //
-// where f are the forces of the material, viscous ones too, and f_n those at the beginning.
+// where f are the forces of the material, including viscous ones, and f_n are those at the
+// beginning of the step.
 //
-// BDF2, for steps of varying length: w = 0. It damps what it cannot resolve, and is the more robust
-// of the two. Its first step is a step of the backward Euler method.
+// BDF2 is for steps of varying length, and has w = 0. It damps what it cannot resolve, and is the
+// more robust of the two. Its first step is a step of the backward Euler method.
 //
-// Generalised α [CH], with a mean of the forces: w = α_f / (1 − α_f). Its damping is set by the
-// spectral radius ρ_∞ for the shortest periods: 1 damps nothing, 0 removes them in one step.
+// The generalised α method [CH] takes a mean of the forces, with w = α_f / (1 − α_f). Its damping
+// is set by the spectral radius ρ_∞ for the shortest periods: 1 damps nothing, 0 removes them in
+// one step.
 //
 // [CH] Chung & Hulbert, A time integration algorithm for structural dynamics with improved
 // numerical dissipation: the generalized-α method, J. Appl. Mech. 60, 1993.

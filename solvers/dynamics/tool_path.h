@@ -27,7 +27,7 @@ class ToolPath {
   /// Lets go of a tool at a time, s, for good.
   /// @throws InputError there is no such tool, or the time is not a number.
   void let_go(Index tool, double time);
-  /// When a tool is let go, s; infinite: it is not.
+  /// The time at which a tool is let go, s; infinite: it is not let go.
   [[nodiscard]] double release(Index tool) const { return releases_[tool]; }
   /// The first time after `time` at which a tool is let go, s; infinite: there is none.
   [[nodiscard]] double next_release(double time) const;

@@ -3,6 +3,8 @@
 // the end of the step. Let h be the length of the step from t_n, S_j the stress of each term of the
 // Prony series, and x = h/τ_j. With S_∞ changing linearly [Taylor],
 //
+//   S_j(t_n + h) = exp(−x) S_j(t_n) + a_j (S_∞(E) − S_∞(E_n)),   a_j = g_j (1 − exp(−x)) / x
+//
 // so that, with Ė ≈ w₀ E + w₁ E_n + w₂ E_{n−1}, the whole stress is the derivative of
 //
 //   (1 + Σ a_j) W(E) + H : E + ½ E : (τ w₀ C₀) : E

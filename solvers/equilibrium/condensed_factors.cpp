@@ -60,7 +60,7 @@ CondensedSystem::KeptFactor* CondensedSystem::find_kept_factor(const Eigen::Vect
 }
 
 void CondensedSystem::forget(const Eigen::VectorXd& q, const NodalVector& state) {
-  if (is_linear()) return;  // its factor is that of all states
+  if (is_linear()) return;  // all states share its factor
   if (KeptFactor* factor = find_kept_factor(q, state)) factor->state.resize(0);
 }
 
@@ -165,7 +165,8 @@ void CondensedSystem::begin_solve() {
 
 TangentFactor* CondensedSystem::factorise_accurately(const CondensedTangent& tangent) {
   KeptFactor* factor = factorise_alone(tangent, Precision::full);
-  // A kept factor must be the usual one of its state, whatever was asked for.
+  // A later solve must find the usual factor of this state, not one in full precision that was made
+  // only for this call.
   const bool is_usual = is_linear() || usual_precision() == Precision::full;
   if (factor != nullptr && !is_usual) factor->state.resize(0);
   return factor;

@@ -46,7 +46,8 @@ struct Evaluation {
 
 /// The second derivatives of that energy, condensed to the free unknowns.
 struct CondensedTangent {
-  /// The tool and the state that they belong to. In a linear body they are those of all.
+  /// The tool and the state at which the derivatives were computed. In a linear body the
+  /// derivatives are the same everywhere.
   Eigen::VectorXd q;
   NodalVector state;
   /// K_ii on CondensedSystem::pattern(), N/m.
@@ -56,11 +57,11 @@ struct CondensedTangent {
   Eigen::MatrixXd of_coordinates;
 };
 
-/// What is known of the rest of a body without a tool.
+/// What is known about the stability of a body at rest without a tool.
 struct RestStability {
   int negative_pivots = 0;
   double lowest_eigenvalue = std::numeric_limits<double>::quiet_NaN();
-  /// As LinearisedState::displacement_error.
+  /// The error of the displacement, see LinearisedState::displacement_error.
   double displacement_error = 0;
   /// flags::unstable and flags::inertia_not_computed.
   Flags flags = 0;
@@ -73,8 +74,9 @@ class CondensedSystem {
   /// @param kept_factors At least 2: the factors at the start of a step and at its present state.
   /// @param precision The precision of factors. A saddle, and a body whose tangent at rest is too
   ///   near to singular for single precision, has full precision in any case.
-  /// @param terms Terms that set_terms() will give: what they couple is analysed at once.
-  /// @throws InputError a body that the linear solver cannot factorise.
+  /// @param terms Terms that set_terms() will give later: the pairs that they couple are analysed
+  ///   together with the body.
+  /// @throws InputError the linear solver cannot factorise the body.
   CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors,
                   Precision precision, const std::vector<const EnergyTerm*>& terms = {});
 
@@ -83,14 +85,14 @@ class CondensedSystem {
   ///   cell, is fixed or held along a direction, or is named twice.
   void set_interaction(const Interaction& interaction);
 
-  /// Gives the body energies besides that of its materials, and forgets all factors. It measures
-  /// anew how stiff each unknown is. Call it again when a term has changed by more than an old
-  /// factor can approximate, and set_rest() once the body has found its rest with them.
+  /// Gives the body further energies, besides that of its materials, and forgets all factors. It
+  /// measures anew how stiff each unknown is. Call it again when a term has changed by more than an
+  /// old factor can approximate, and set_rest() once the body has found its rest with them.
   /// @param terms They must outlive this object, or stay until the next call.
   void set_terms(std::vector<const EnergyTerm*> terms);
 
-  /// The rest of the body with its terms, from which the coordinates of tools that prescribe points
-  /// count. It is the undeformed state until this is called.
+  /// Sets the rest of the body with its terms. The coordinates of tools that prescribe points count
+  /// from it. Until this is called, it is the undeformed state.
   void set_rest(const NodalVector& state);
 
   [[nodiscard]] const Assembly& assembly() const { return assembly_; }
@@ -116,8 +118,9 @@ class CondensedSystem {
   [[nodiscard]] bool tool_is_inside(const Eigen::VectorXd& q, const NodalVector& state) const;
   /// Whether the body is at rest and the tool away from it, so that the tool feels no force.
   [[nodiscard]] bool feels_nothing(const Eigen::VectorXd& q, const NodalVector& state) const;
-  /// Whether the rest is stable. A body without terms is undeformed there and stable; nothing: it
-  /// has terms, and set_rest_stability() was not called since they or the rest were set.
+  /// The stability of the rest. A body without terms is undeformed at rest, and stable. It is empty
+  /// if the body has terms and set_rest_stability() was not called since the terms or the rest were
+  /// set.
   [[nodiscard]] const std::optional<RestStability>& rest_stability() const {
     return rest_stability_;
   }
@@ -175,16 +178,16 @@ class CondensedSystem {
   [[nodiscard]] TangentFactor* find_factor(const Eigen::VectorXd& q, const NodalVector& state);
   /// If a factor at this state is kept, it is the next to be replaced.
   void forget(const Eigen::VectorXd& q, const NodalVector& state);
-  /// The tangent at a state with the tool at q. Its memory is used again for the next tangent once
-  /// nobody has it any more.
+  /// The tangent at a state with the tool at q. Its memory is reused for a later tangent once no
+  /// caller holds it any more.
   [[nodiscard]] std::shared_ptr<const CondensedTangent> tangent(const Eigen::VectorXd& q,
                                                                 const NodalVector& state);
-  /// Factorises a tangent. The factor that was not used for the longest time is replaced; null: the
-  /// tangent is singular. A linear body has one factor for all states, and if possible all tools
-  /// share the factor at rest. A factor depends on the scene, the tool and the state alone, so that
-  /// the same factor is made again.
+  /// Factorises a tangent, and returns null if it is singular. The new factor replaces the one that
+  /// was not used for the longest time. A linear body has one factor for all states, and if
+  /// possible all tools share the factor at rest. A factor depends on the scene, the tool and the
+  /// state alone, so that the same factor is made again.
   [[nodiscard]] TangentFactor* factorise(const CondensedTangent& tangent);
-  /// As above, of the tangent at a state.
+  /// Factorises the tangent at a state, as above.
   [[nodiscard]] TangentFactor* factorise(const Eigen::VectorXd& q, const NodalVector& state) {
     return factorise(*tangent(q, state));
   }
@@ -206,7 +209,7 @@ class CondensedSystem {
   [[nodiscard]] double condition(const CondensedTangent& tangent, TangentFactor& factor) const;
 
  private:
-  /// Entries of coordinate_of_unknown_ that are no coordinates.
+  /// Entries of coordinate_of_unknown_ that do not stand for a coordinate.
   static constexpr Index kFree = -1;
   static constexpr Index kIdle = -2;
 
@@ -224,8 +227,8 @@ class CondensedSystem {
     bool diagonal;
   };
 
-  /// A factor for the present tool, with the place of the tool and the state that it belongs to; an
-  /// empty state: there is none.
+  /// A factor for the present tool, with the place of the tool and the state to which it belongs.
+  /// If the state is empty, there is no factor.
   struct KeptFactor final : TangentFactor {
     explicit KeptFactor(std::unique_ptr<LinearSolver> with) : solver(std::move(with)) {}
     void solve(Eigen::Ref<Eigen::MatrixXd> columns) override { solver->solve(columns); }
@@ -235,8 +238,8 @@ class CondensedSystem {
     std::unique_ptr<LinearSolver> solver;
     Eigen::VectorXd q;
     NodalVector state;
-    /// Single precision was not tried, since it had failed before in the same solve. Another solve
-    /// would try it, so it does not take this factor.
+    /// Whether single precision was not tried, since it had failed before in the same solve.
+    /// Another solve would try it, and so does not use this factor.
     bool is_provisional = false;
     /// The use count at which it was last made or asked for.
     long last_use = 0;
@@ -272,7 +275,7 @@ class CondensedSystem {
   [[nodiscard]] bool shares_rest_factor(const CondensedTangent& at_rest);
   /// Makes the rest factor; it stays null if the body floats.
   void make_rest_factor();
-  /// Forgets the rest factor, of which the solver is spared.
+  /// Forgets the rest factor. Its solver becomes the spare one if there is none.
   void drop_rest_factor();
   /// An estimate of the relative error of solutions by the rest factor for the tangent at rest.
   [[nodiscard]] double error_of_rest_factor(const CondensedTangent& at_rest);
@@ -305,17 +308,18 @@ class CondensedSystem {
   /// single precision; empty: not known yet.
   Precision precision_;
   std::optional<bool> rest_is_safe_;
-  /// In this solve a tangent was not safe in single precision. The next ones will hardly be, so
-  /// single precision is not tried for them.
+  /// Whether a tangent of this solve was not safe in single precision. Later ones are unlikely to
+  /// be safe, so single precision is not tried for them.
   bool single_fails_ = false;
   std::vector<KeptFactor> factors_;
-  /// A solver that is analysed and has no needed factor; null: there is none to spare.
+  /// A solver that has analysed the pattern and whose factor, if any, is not needed; null: there is
+  /// none.
   std::unique_ptr<LinearSolver> spare_solver_;
   /// The factor at rest; null until it is needed, or if it cannot be made.
   std::unique_ptr<RestFactor> rest_factor_;
   /// The largest number of held unknowns for which the factor at rest is used.
   Index most_shared_ = 0;
-  /// The tangent at rest is singular if nothing is held.
+  /// Whether the tangent at rest is singular when nothing is held.
   bool body_floats_ = false;
   /// Whether the factor at rest serves the present tool; empty: not known yet.
   std::optional<bool> is_shared_;
@@ -343,7 +347,7 @@ class CondensedSystem {
   std::vector<double> undeformed_;
   /// The memory of the last tangent; null before the first.
   std::shared_ptr<CondensedTangent> last_tangent_;
-  /// In a linear body: the last tangent is that of the present tool.
+  /// Whether the last tangent belongs to the present tool, so that a linear body can use it again.
   bool has_tangent_ = false;
 };
 

@@ -103,7 +103,7 @@ std::optional<Outcome> reason_to_end(const Correction& so_far, const Equilibrium
   return std::nullopt;
 }
 
-/// Takes a state in equilibrium, unless the tool has passed through the surface of the body.
+/// Sets x to a state in equilibrium, unless the tool has passed through the surface of the body.
 Outcome arrive(const CondensedSystem& system, const Eigen::VectorXd& t, const NodalVector& found,
                NodalVector& x) {
   if (system.tool_is_inside(t, found)) return Outcome::tool_inside;
@@ -212,7 +212,8 @@ Correction correct_by_iteration(CondensedSystem& system, const EquilibriumOption
 
     if (last_norm > 0) {
       const double ratio = iterate.norm / last_norm;
-      // Solve no better than the end needs. (The safeguard of the method is for larger shares.)
+      // Solve no more accurately than the tolerance at the end requires. (The safeguard of the
+      // method is only needed for larger shares.)
       forcing = std::max(0.9 * ratio * ratio, 0.5 * options.tolerance / result.residual);
       forcing = std::clamp(forcing, kLeastForcing, kLargestForcing);
     }

@@ -22,7 +22,7 @@ struct Correction {
   double residual = 0;
   int iterations = 0;
   /// The last factor. With the steps since it was made it approximates the inverse of the tangent
-  /// at the end. Null: the factor was no longer of use. It is valid until the next factorisation.
+  /// at the end. It is null if it was of no use any more. It is valid until the next factorisation.
   TangentFactor* factor = nullptr;
   /// The tool and the state that the factor belongs to if it was made within this correction; else
   /// empty.

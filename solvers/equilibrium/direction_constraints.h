@@ -18,7 +18,7 @@ namespace palpate {
 
 class DirectionConstraints {
  public:
-  /// @param body One that check() accepts.
+  /// @param body A body that check() accepts.
   DirectionConstraints(const Body& body, const Assembly& assembly);
 
   /// Sets the pattern of the values that are constrained. It is that of the assembly until then.
@@ -48,14 +48,15 @@ class DirectionConstraints {
   };
   /// Values that couple two points, at least one of which is held.
   struct Block {
-    /// Indices into points_; −1: it is not held.
+    /// Indices into points_; −1: the point is not held.
     Index row, column;
-    /// The position of the block's first row in each of its columns; that of the diagonal if the
-    /// block is on it.
+    /// The position of the first row of the block in each of its columns. In a diagonal block it is
+    /// the position of the diagonal.
     std::array<Index, 3> positions;
     bool is_diagonal;
   };
-  /// Values that couple a pressure with a held point, which is a column.
+  /// The values that couple a pressure, which is the row, with a held point, whose unknowns are the
+  /// columns.
   struct PressureRow {
     Index column;
     std::array<Index, 3> positions;

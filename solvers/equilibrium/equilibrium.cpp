@@ -109,7 +109,7 @@ void validate(const EquilibriumOptions& options) {
 
 class EquilibriumSolver::Impl {
  public:
-  /// @param scene, options They are valid.
+  /// @param scene, options Both must be valid.
   Impl(const Scene& scene, EquilibriumOptions options, std::unique_ptr<LinearSolver> solver,
        const std::vector<const EnergyTerm*>& terms, std::unique_ptr<Team> team)
       : options_(std::move(options)),
@@ -124,7 +124,7 @@ class EquilibriumSolver::Impl {
     }
   }
 
-  /// Null: there is one thread.
+  /// The threads of the solver; null: there is only one.
   Team* team() const { return team_.get(); }
   void set_interaction(const Interaction& interaction) {
     if (interaction.num_coordinates() == 0) {
@@ -319,7 +319,8 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
     throw InputError("The tool is inside the body at the start: " +
                      system_.interaction().describe(t) + ". Let the tool start outside of it.");
   }
-  // A tool that touches nothing has no tangent that could show this.
+  // Search for mobile pieces directly: if the tool touches nothing, the tangent that would show
+  // them may not be computed.
   const std::optional<std::string> mobile = support_.find_mobile_piece(held_by_tool_);
   std::optional<Linearisation> at_rest;
   if (!mobile) at_rest = linearise_at(state.t, rest_, Tangent::factorised);
@@ -546,7 +547,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
       failures = 0;
       continue;
     }
-    // Which branch an inverted body is on is no question of physics any more.
+    // For an inverted body, the branch that it is on has no physical meaning.
     const bool worth_it = options_.follow_folds || (next.flags & flags::inverted) == 0;
     const bool least = 0.5 * stride < least_stride;
     if (may_follow && (++failures == kFailuresBeforeFollowing || least)) {
@@ -588,7 +589,8 @@ Equilibrium EquilibriumSolver::Impl::settle(const Equilibrium& near) {
   const Assembly& assembly = system_.assembly();
   Progress progress;
   progress.state = near;
-  // Components that are no unknowns are zero in a state, and the solve would not change them.
+  // Take only the unknowns from `near`. All other components of a state are zero, and the solve
+  // would not change them.
   const Eigen::Index displacements = near.u.size();
   progress.state.u.setZero();
   progress.state.p.setZero(assembly.num_pressures());

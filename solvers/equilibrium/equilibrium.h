@@ -59,8 +59,7 @@ class EquilibriumSolver {
   ///   a time proportional to the size of the body. Paths around folds cannot be followed then, and
   ///   of the inertia only the sign of the lowest eigenvalue is known.
   /// @param terms Energies besides those of the materials, loads and springs of the scene. They
-  /// must
-  ///   outlive this object.
+  ///   must outlive this object.
   /// @throws InputError an invalid scene or option; an incompressible law with a linear solver that
   ///   cannot factorise it; or a body with pressures without a linear solver. If a body finds no
   ///   rest under its loads, settled() tells so.
@@ -77,8 +76,8 @@ class EquilibriumSolver {
   /// Chooses the tool for the solves that follow. All tools share the symbolic analysis. They share
   /// the factor at rest too if not too many unknowns are held, and if the body is linear or at
   /// least three factors are kept.
-  /// @throws InputError no tool; a point that does not exist, is in no cell, is fixed or held along
-  ///   a direction, or is named twice.
+  /// @throws InputError the tool has no coordinates, or prescribes a point that does not exist, is
+  ///   in no cell, is fixed or held along a direction, or is named twice.
   void set_interaction(const Interaction& interaction);
 
   /// The rest of a body under loads (Scene::has_load()) or with terms, without a tool. Only u, p,
@@ -87,8 +86,8 @@ class EquilibriumSolver {
   /// Without a load and terms it has converged, with empty u and p.
   [[nodiscard]] const Equilibrium& settled() const;
 
-  /// The body at rest (u = 0 without a load) with its sensitivity and stiffness, the tool at t [d],
-  /// m; without t, at the coordinates 0. Call set_interaction() before.
+  /// The body at rest (u = 0 without a load) with its sensitivity and stiffness, and with the tool
+  /// at t [d], m, or at the coordinates 0 if t is not given. Call set_interaction() before.
   /// @throws InputError the tool at t touches the body.
   [[nodiscard]] Equilibrium rest(const Eigen::VectorXd& t);
   [[nodiscard]] Equilibrium rest();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Extends a displacement that is known near the surface to the inside of a body. It is the one of
-// least energy of the body at rest,
+// Extends a displacement that is known near the surface to the inside of a body. The extension is
+// the one that has the least energy in the body at rest,
 //
 //   K_II u_I = −K_IB u_B,
 //

@@ -10,9 +10,9 @@ namespace palpate {
 namespace {
 
 /// The largest number of iterations is kMostTimesUnknowns over the number of unknowns, within two
-/// bounds. The lower one takes as long as a factorisation of a body of a hundred thousand unknowns.
-/// In a smaller body the iterations take at most a quarter of a second; it may be a coarse shell,
-/// of which one with 1 400 unknowns needs 850.
+/// bounds. For a body of a hundred thousand unknowns, the lower bound of iterations takes as long
+/// as a factorisation. Smaller bodies are allowed more, since their iterations take at most a
+/// quarter of a second in all, and may be needed: a coarse shell with 1 400 unknowns takes 850.
 constexpr int kUsualMostIterations = 300;
 constexpr int kMostIterations = 3000;
 constexpr int kMostTimesUnknowns = 3'000'000;

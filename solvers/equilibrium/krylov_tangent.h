@@ -38,7 +38,7 @@ class KrylovTangent {
 
   /// Takes a tangent. The values must outlive their use.
   void take(const std::vector<double>& values);
-  /// Whether these values are those that were taken last.
+  /// Whether these values were taken last.
   [[nodiscard]] bool has(const std::vector<double>& values) const { return values_ == &values; }
 
   /// Overwrites each column with the solution for it, by the tangent that was taken.
@@ -67,7 +67,7 @@ class KrylovTangent {
   /// The result of making the preconditioner for this tangent, if that was tried.
   SetupReport setup_;
   bool is_stale_ = true;
-  /// The preconditioner belongs to a tangent of this solve.
+  /// Whether the preconditioner belongs to a tangent of this solve.
   bool is_of_this_solve_ = false;
   /// Iterations per tenfold decrease of the residual when the preconditioner was new; 0: not known
   /// yet.

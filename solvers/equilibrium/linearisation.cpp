@@ -88,7 +88,7 @@ constexpr int kMaxGradientSteps = 14;
 constexpr double kLastRefinement = 1e-4;
 constexpr int kMaxRefinements = 4;
 
-/// The allowed relative residual of a Newton step, of which only the length counts.
+/// The allowed relative residual of a Newton step that is computed only for its length.
 constexpr double kNewtonStepError = 1e-2;
 
 /// −∂²Π/∂x_i∂q − K_ii v.
@@ -97,7 +97,7 @@ Eigen::MatrixXd residual_of(const CondensedSystem& system, const CondensedTangen
   return -tangent.mixed - system.times(tangent, v);
 }
 
-/// k by the functional that is stationary in v.
+/// Computes k from the functional that is stationary in v.
 void take_stiffness(const CondensedTangent& tangent, const Eigen::MatrixXd& v,
                     const Eigen::MatrixXd& residual, LinearisedState& state) {
   take_stiffness(tangent.of_coordinates + tangent.mixed.transpose() * v - v.transpose() * residual,
@@ -212,7 +212,8 @@ std::optional<Linearisation> linearise_by_krylov(CondensedSystem& system, const 
   return result;
 }
 
-/// Linearises by find(is_at_rest), or by what is known of the rest where the tool touches nothing.
+/// Linearises with find(is_at_rest). Where the tool touches nothing, the stability of the rest is
+/// found once and used for all places of the tool.
 template <class Find>
 std::optional<Linearisation> linearise_by(const Find& find, CondensedSystem& system,
                                           const Eigen::VectorXd& t, const NodalVector& x) {

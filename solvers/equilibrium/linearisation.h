@@ -46,8 +46,8 @@ inline constexpr double kRoughSensitivityError = 1e-2;
 /// that the iteration meets is noticed.
 /// @param start The state from which x was reached.
 /// @param error The relative error that is allowed in v.
-/// @returns nothing, which leaves the state to linearise(): there is no such factor, it does not
-///   serve well, the tangent is not positive definite, or x needs another Newton step.
+/// @returns nothing if there is no such factor, it does not serve well, the tangent is not positive
+///   definite, or x needs another Newton step. Then call linearise().
 [[nodiscard]] std::optional<LinearisedState> linearise_by_iteration(
     CondensedSystem& system, const EquilibriumOptions& options, const Correction& correction,
     const LinearisedState& start, const Eigen::VectorXd& t, const NodalVector& x, double error);

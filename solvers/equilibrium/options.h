@@ -52,7 +52,7 @@ struct EquilibriumOptions {
   std::function<bool()> abort_requested;
 };
 
-/// @throws InputError a field out of its range, by name.
+/// @throws InputError a field is out of its range; the message names it.
 void validate(const EquilibriumOptions& options);
 
 }  // namespace palpate

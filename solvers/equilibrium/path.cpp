@@ -99,7 +99,7 @@ class Follower {
                             equilibrium.minimum_det_f, equilibrium.negative_pivots});
   }
 
-  /// Does one step of the present length; false: it has to be shorter.
+  /// Does one step of the present length. It returns false if the step has to be shorter.
   bool advance() {
     Vector next{here_.x + length_ * tangent_.x, here_.way + length_ * tangent_.way};
     int iterations = 0;
@@ -231,7 +231,7 @@ class Follower {
   Vector tangent_;
   double first_length_ = 0;
   double length_ = 0;
-  /// In the step that was tried last, the tool has passed through the surface of the body.
+  /// Whether the tool has passed through the surface of the body in the step that was tried last.
   bool goes_through_ = false;
   int iterations_ = 0;
   Path path_;

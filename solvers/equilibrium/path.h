@@ -26,7 +26,7 @@ struct PathOptions {
   int max_points = 400;
 };
 
-/// @throws InputError a field out of its range, by name.
+/// @throws InputError a field is out of its range; the message names it.
 void validate(const PathOptions& options);
 
 /// An equilibrium on the path.

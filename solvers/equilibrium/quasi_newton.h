@@ -37,8 +37,8 @@ class QuasiNewton {
 /// approximation stays symmetric and positive definite. It is for minima of an energy.
 [[nodiscard]] std::unique_ptr<QuasiNewton> make_bfgs();
 
-/// Broyden's method (Kelley, Solving Nonlinear Equations with Newton's Method, chapter 4): it
-/// asks nothing of the tangent. It is for stationary points in u and p, which are saddles.
+/// Broyden's method (Kelley, Solving Nonlinear Equations with Newton's Method, chapter 4): it makes
+/// no assumption about the tangent. It is for stationary points in u and p, which are saddles.
 [[nodiscard]] std::unique_ptr<QuasiNewton> make_broyden();
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A ramp leads from one equilibrium to another of which only the end matters: a load is applied, or
-// tools are brought to where a motion begins.
+// A ramp leads from one equilibrium to another where only the end matters, as when a load is
+// applied or when tools are brought to where a motion begins.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@ struct Ramp {
 
 struct RampEnd {
   Outcome outcome = Outcome::not_converged;
-  /// The equilibrium beyond the end is not stable and has inverted cells.
+  /// Whether the ramp ended because the next equilibrium is not stable and has inverted cells.
   bool is_unstable = false;
   /// Largest component of the residual, see EquilibriumOptions::tolerance.
   double residual = 0;
@@ -36,7 +36,8 @@ struct RampEnd {
 
 /// Goes from the equilibrium x at the share 0 to that at 1, in increments that are halved if one
 /// does not converge and doubled after two that do. x becomes the last equilibrium. An inverted
-/// corner does not end the ramp if the equilibrium is stable; flags::inverted tells it.
+/// corner does not end the ramp if the equilibrium is stable; flags::inverted of the state at the
+/// end reports it.
 [[nodiscard]] RampEnd follow_ramp(CondensedSystem& system, const EquilibriumOptions& options,
                                   const Interruption& interruption, const Ramp& ramp,
                                   NodalVector& x);

@@ -49,7 +49,7 @@ double least_seconds(const std::function<void()>& work) {
   return least;
 }
 
-/// The body with all points held but those nearest to one of the free points.
+/// The scene with all points held except those nearest to one of the free points.
 Scene hold_most(const Scene& scene) {
   const std::vector<char> used = points_in_use(scene.body.mesh);
   std::vector<std::size_t> points;

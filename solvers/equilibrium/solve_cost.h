@@ -40,8 +40,8 @@ struct SolveCost {
   double body_bytes = 0;
 };
 
-/// Measures the cost. This takes about a second for 100 000 unknowns, and next to nothing for 10
-/// 000.
+/// Measures the cost. This takes about a second for 100 000 unknowns, and hardly any time for
+/// 10 000.
 /// @param scene A scene that check() accepts.
 /// @param linear_solver One of tangent_solver_names(); empty: the one that suits the body.
 /// @param threads As in EquilibriumOptions.

@@ -85,7 +85,8 @@ struct Equilibrium : LinearisedState {
   /// converge, or if it was not asked for.
   Eigen::VectorXd third_derivative;
   Outcome outcome = Outcome::not_converged;
-  /// Of the solve that has found it; a solve that starts here does not read it.
+  /// The log of the solve that has found this equilibrium. A solve that starts from it does not
+  /// read the log.
   Summary summary;
 };
 

@@ -64,7 +64,7 @@ SymmetricPattern with_blocks(const SymmetricPattern& pattern, const std::vector<
   return grown;
 }
 
-/// The position in a pattern of each value of one that it contains.
+/// The position in the whole pattern of each value of a pattern that is part of it.
 std::vector<Index> positions_in(const SymmetricPattern& whole, const SymmetricPattern& part) {
   std::vector<Index> positions;
   positions.reserve(part.row.size());

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pattern of the tangent of a body with all that acts on it: the union of that of the materials
-// with the pairs of points that energy terms and tools couple.
+// The pattern of the tangent of a body with all that acts on it. It is the pattern of the materials
+// together with the pairs of points that energy terms and tools couple.
 //
-// It grows when a pair comes that it has no room for, and never shrinks: a term whose pairs change
-// from one configuration to the next is analysed anew only where it goes beyond all pairs that were
-// there before. As long as nothing is added, it is the pattern of the materials itself, and their
-// values need no map.
+// The pattern grows when a pair is added for which it has no room, and never shrinks. So a term
+// whose pairs change from one configuration to the next requires a new analysis only if it couples
+// a pair that was never added before. As long as nothing is added, the pattern is that of the
+// materials itself, and their values need no map.
 #pragma once
 
 #include <array>
@@ -38,9 +38,9 @@ class SystemPattern {
 
  private:
   const Assembly& assembly_;
-  /// Empty as long as nothing was added.
+  /// The pattern with the added pairs; empty as long as nothing was added.
   SymmetricPattern grown_;
-  /// The position of each value of the materials.
+  /// The position in grown_ of each value of the materials.
   std::vector<Index> position_;
 };
 
@@ -62,7 +62,7 @@ class PairPlaces {
     /// The index of the pair.
     std::size_t pair;
     bool is_diagonal;
-    /// The block stands transposed: the row is that of b.
+    /// Whether the block is stored transposed, with the rows of b.
     bool is_transposed;
   };
 

@@ -11,8 +11,8 @@
 namespace palpate {
 namespace {
 
-/// The largest number of iterations at rest. Bodies of one tissue take 15 to 25. With more than
-/// this, strained states, which take more, may not be solved for at all.
+/// The largest number of iterations at rest. Bodies of one tissue take 15 to 25. If a body takes
+/// more than this at rest, its strained states, which take more still, may not be solvable at all.
 constexpr int kMostIterations = 100;
 constexpr double kTrialError = 1e-6;
 

@@ -13,8 +13,8 @@ namespace palpate {
 namespace {
 
 /// The largest strain of a difference step. The relative error of the difference is its square.
-/// Rounding, 1e-16 over the square, is as large at a third of this strain. The error of T is 1e-7
-/// in all, also where the body is stiff against changes of volume. v may have a larger error.
+/// Rounding, 1e-16 over the square, is as large at a third of this strain. The total error of T is
+/// 1e-7, even where the body is stiff against changes of volume. v may have a larger error.
 constexpr double kStrain = 3e-4;
 /// The longest step as a share of the displacement scale: the potential of a tool has a scale of
 /// its own.
@@ -31,8 +31,8 @@ struct SecondDifferences {
   Vec3 of[3][3];
 };
 
-/// About the largest strain of the columns of v per unit of t, 1/m: of the lines from node to node
-/// of a cell.
+/// An estimate of the largest strain of the columns of v per unit of t, 1/m, from lines between the
+/// nodes of each cell.
 double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
   double largest_square = 0;
   const int nodes = nodes_per_cell(mesh.order);
@@ -50,7 +50,7 @@ double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
   return std::sqrt(largest_square);
 }
 
-/// @returns nothing: a residual is not defined.
+/// @returns nothing if a residual is not defined.
 std::optional<SecondDifferences> differences(CondensedSystem& system, const Eigen::VectorXd& t,
                                              const NodalVector& x, const Eigen::MatrixXd& v,
                                              double step) {

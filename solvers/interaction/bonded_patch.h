@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A tool that is bonded to a patch of the surface: all points of the patch move with it, and the
-// force that holds it is the sum of theirs. The force that displaces a single point tends to zero
-// as the mesh is refined; that of a patch of a given size does not.
+// A tool that is bonded to a patch of the surface: all points of the patch move with the tool, and
+// the force that holds the tool is the sum of their forces. The force that displaces a single point
+// tends to zero as the mesh is refined; that of a patch of a given size does not.
 #pragma once
 
 #include <string>
@@ -38,7 +38,7 @@ class BondedPatch final : public Interaction {
 class BondedPatches {
  public:
   /// @param radius See SurfacePatches::around, m; 0 bonds the nodes alone.
-  /// @param name What errors call a node.
+  /// @param name The name of a node in error messages.
   BondedPatches(const Body& body, double radius, std::string name = "active node");
 
   /// A tool that is bonded to the patch around a node.

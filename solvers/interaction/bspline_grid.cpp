@@ -19,7 +19,8 @@ constexpr int kShift = 3;
 constexpr int kVolume = kSide * kSide * kSide;
 /// The number of coefficients along each axis that act at a place.
 constexpr int kSupport = 5;
-/// The farthest that one of them is away, in units of the spacing: 5/2 along each axis.
+/// The largest distance of one of them from the place, in units of the spacing: 5/2 along each
+/// axis.
 const double kReach = 2.5 * std::sqrt(3.0);
 
 using Node = std::array<Index, 3>;
@@ -181,7 +182,7 @@ BsplineGrid::Region BsplineGrid::evaluate(const Vec3& place, int order,
   Vec3 in_cell;
   for (int k = 0; k < 3; ++k) {
     const double nearest = std::floor(u[k] + 0.5);
-    // The negation holds for a place that is no number as well.
+    // The negated comparison also holds for a place that is not a number.
     if (!(nearest >= 2 && nearest < num_bricks_[k] * kSide - 2)) return Region::above;
     first[k] = static_cast<Index>(nearest) - 2;
     in_cell[k] = u[k] - nearest;

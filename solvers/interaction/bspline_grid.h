@@ -4,26 +4,27 @@
 //
 //   s(y) = Σ c_ijk β(x/h − i) β(y/h − j) β(z/h − k),   β = the centred B-spline of degree 4.
 //
-// s is C³ and its fourth derivatives are bounded. The coefficients come of the samples f_ijk
+// s is C³ and its fourth derivatives are bounded. The coefficients follow from the samples f_ijk
 // alone,
 //
-//   c = f − 5/24 (δ_x² + δ_y² + δ_z²) f,   δ_x² f_ijk = f_i+1,jk − 2 f_ijk + f_i−1,jk,
+//   c = f − 5/24 (δ_x² + δ_y² + δ_z²) f,   δ_x² f_ijk = f_i+1,jk − 2 f_ijk + f_i−1,jk.
 //
-// quasi-interpolation of the fourth order (de Boor, A Practical Guide to Splines, ch. XII), exact
-// for polynomials up to degree three, since Σ f_i β(x − i) = f + 5/24 f″ + … . Interpolation, for
-// which c needs all samples (Unser, IEEE Signal Processing Magazine 16(6), 1999), has an error that
-// is smaller by a quarter at the kinks of a distance, but it rings there. On the surface of a cube,
-// in units of h, and of a sphere of radius 15 h:
+// This is quasi-interpolation of the fourth order (de Boor, A Practical Guide to Splines, ch. XII).
+// It is exact for polynomials up to degree three, since Σ f_i β(x − i) = f + 5/24 f″ + … .
+// Interpolation, for which c needs all samples (Unser, IEEE Signal Processing Magazine 16(6),
+// 1999), has an error that is smaller by a quarter at the kinks of a distance, but it rings there.
+// The values on the surface of a cube, in units of h, and of a sphere of radius 15 h are
 //
 //                         cube: error   |third derivative|   least curvature   sphere: error
 //   c = f                       0.61          1.3                −0.07              0.028
 //   quasi-interpolation         0.36          2.2                −0.15              0.00003
 //   interpolation               0.27          5.2                −0.60            < 0.00001
 //
-// All are the largest; outside a cube the curvature of the distance is nowhere negative.
+// where errors and third derivatives are the largest ones. Outside a cube, the curvature of the
+// exact distance is nowhere negative.
 //
-// The coefficients are in bricks of 8 × 8 × 8. A brick is kept only if one of its coefficients is
-// needed between low and high.
+// The coefficients are stored in bricks of 8 × 8 × 8. A brick is kept only if one of its
+// coefficients is needed between low and high.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -39,7 +40,7 @@ namespace palpate {
 class BsplineGrid {
  public:
   struct Options {
-    /// A box around all places where f is low … high, m.
+    /// A box around all places where f lies between low and high, m.
     Eigen::AlignedBox3d bounds;
     /// The spacing h of the grid, m.
     double spacing = 0;
@@ -57,11 +58,11 @@ class BsplineGrid {
   /// @throws InputError the grid would need more bricks than these limits allow.
   BsplineGrid(const Function& distance, const Options& options);
 
-  /// Which values f has at a place, if any of those between low and high.
+  /// Where f lies at a place: between low and high (band), below low, or above high.
   enum class Region { band, below, above };
 
-  /// Evaluates s and its derivatives up to an order, 0 … 3, where all that it needs is there:
-  /// wherever f is low … high, and a little beyond.
+  /// Evaluates s and its derivatives up to an order, 0 … 3, where all coefficients for this are
+  /// kept, which is wherever f lies between low and high, and a little beyond.
   /// @returns band: the jet is filled; else it is left as it is, and f is below low or above high.
   [[nodiscard]] Region evaluate(const Vec3& place, int order, RigidShape::Jet& jet) const noexcept;
 

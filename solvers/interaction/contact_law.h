@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The law of contact: how strongly a rigid tool presses what comes near to its surface. It is an
-// energy of each area of the body at the distance d from the tool,
+// The law of contact says how strongly a rigid tool presses what comes near to its surface. It is
+// an energy per area of the body at the distance d from the tool,
 //
 //   ψ = κ⟨δ − g⟩⁴ / (4 δ³),   g = d + o
 //

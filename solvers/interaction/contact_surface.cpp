@@ -66,7 +66,8 @@ Eigen::MatrixXd slopes_at(int nodes, double s, double t) {
   return d;
 }
 
-/// How many parts an edge is divided into for points of integration that are `spacing` apart.
+/// The number of parts into which an edge is divided for points of integration that are `spacing`
+/// apart.
 int divisions_for_spacing(double spacing, double longest) {
   if (!(spacing > 0)) {
     throw InputError("The points at which contact is integrated are " + quantity(spacing, "m") +

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The surface of a body that a tool may press, with the points at which contact is integrated. A
 // face is divided into n² triangles, each with the rule of six points that is exact for degree 4
-// (Dunavant, Int. J. Numer. Methods Eng. 21, 1985), since contact has a scale of its own that faces
-// know nothing of. Weights are areas at rest.
+// (Dunavant, Int. J. Numer. Methods Eng. 21, 1985), since the scale of contact does not depend on
+// the size of the faces. Weights are areas at rest.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,11 +34,11 @@ class ContactSurface {
   struct Face {
     /// The points of the mesh: corners, then midside nodes [nodes_per_face()].
     const Index* nodes = nullptr;
-    /// The shape functions at its points [points × nodes_per_face()].
+    /// The shape functions at the points of integration [points × nodes_per_face()].
     const Eigen::MatrixXd* shape = nullptr;
-    /// The areas of its points at rest [points], m².
+    /// The area at rest of each point of integration [points], m².
     const double* weights = nullptr;
-    /// Its mean normal at rest, outward.
+    /// The mean normal of the face at rest, outward.
     Vec3 normal = Vec3::Zero();
     /// The longest edge between corners, m.
     double longest_edge = 0;

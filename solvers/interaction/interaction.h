@@ -3,8 +3,8 @@
 //
 //   Π(x; q) = Σ terms(x) + Φ(x; q)   with u = q at the points that the tool prescribes
 //
-// A tool may prescribe points, or have a potential Φ, or both. All that is asked of an equilibrium
-// follows: with i the unknowns that are left free,
+// A tool may prescribe points, or have a potential Φ, or both. Everything that an equilibrium is
+// computed for follows from it. With i the unknowns that are left free,
 //
 //   h = dΠ/dq = ∂Π/∂q                        the force that holds the tool
 //   v = dx/dq,  K_ii v_i = −∂²Π/∂x_i∂q       the sensitivity
@@ -47,7 +47,7 @@ struct PotentialHessian {
     /// The derivatives [3 × number of these coordinates], N/m where the coordinates are lengths.
     PoseColumns value;
   };
-  /// Each pair of points is in one order only; what is there several times is added up.
+  /// Each pair of points occurs in one order only. Blocks that occur several times are added up.
   std::vector<OfPoints> of_points;
   std::vector<Mixed> mixed;
   /// ∂²Φ/∂q² [d × d], N/m where the coordinates are lengths.
@@ -81,7 +81,7 @@ class Interaction {
 
   /// Whether there is a Φ. Without one, the functions below add nothing.
   [[nodiscard]] virtual bool has_potential() const { return false; }
-  /// Gives Φ, J, and adds ∂Φ/∂u, N, to the components of `force` and ∂Φ/∂q, N, to `of_q` [d].
+  /// Returns Φ, J, and adds ∂Φ/∂u, N, to the components of `force` and ∂Φ/∂q, N, to `of_q` [d].
   /// @param state The displacement of every point, and maybe more.
   [[nodiscard]] virtual double potential(const Eigen::VectorXd& /*q*/, const NodalVector& /*state*/,
                                          NodalVector& /*force*/, Eigen::VectorXd& /*of_q*/) const {

@@ -21,7 +21,7 @@ Eigen::VectorXd coordinates_of(const Interaction& tool, Index first, const Eigen
   return q.segment(first, tool.num_coordinates());
 }
 
-/// A tool that was let go.
+/// A tool that was let go, and so acts on nothing.
 class LetGo final : public Interaction {
  public:
   LetGo(Index num_coordinates, double displacement_scale)

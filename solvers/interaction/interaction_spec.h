@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a tool is, in numbers that can be stored, and the tool that is made of them.
+// Describes a tool in numbers that can be stored, and makes the tool from them.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace palpate {
 
-/// The kinds of tools. The numbers are stored: keep them.
+/// The kinds of tools. The numbers are stored in files: do not change them.
 enum class InteractionKind : std::int32_t {
   bonded_patch = 0,
   rigid_contact = 1,
@@ -27,7 +27,7 @@ enum class InteractionKind : std::int32_t {
 struct InteractionSpec {
   InteractionKind kind = InteractionKind::bonded_patch;
   /// For a bonded patch: the material point of the surface that the tool is bonded to, as its
-  /// position at rest [3], m, and as the point of the mesh that is there.
+  /// position at rest [3], m, and as the point of the mesh at that position.
   Vec3 material_point = Vec3::Zero();
   Index active_node = 0;
   /// The points of the surface patch within this distance of the material point move with it, m; 0:
@@ -49,7 +49,7 @@ struct InteractionSpec {
   }
 };
 
-/// The spec of a tool that is bonded to the patch around a node of a mesh, which is there.
+/// The spec of a tool that is bonded to the patch around a node of a mesh. The node must exist.
 /// @param at_rest The body at rest under its loads.
 [[nodiscard]] InteractionSpec bonded_patch_spec(const TetMesh& mesh, const SettledBody& at_rest,
                                                 Index node, double tip_radius);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The kinds of a thing that are known, each by the number by which it is stored.
+// A list of the known kinds of something, such as a shape. Each kind is found by the number under
+// which it is stored in files.
 #pragma once
 
 #include <memory>
@@ -17,9 +18,10 @@ class KindList {
  public:
   using Number = decltype(std::declval<const Kind&>().number());
 
-  /// @param what For messages, "a shape of a tool". @param unknown What is said before a number
-  /// that
-  ///   is none, "A rigid tool has the unknown shape". @param kinds Those that are always there.
+  /// @param what What the kinds are, for messages: "a shape of a tool".
+  /// @param unknown The words before an unknown number, for messages: "A rigid tool has the unknown
+  ///   shape".
+  /// @param kinds The kinds that are always known.
   template <class... Kinds>
   KindList(std::string what, std::string unknown, Kinds... kinds)
       : what_(std::move(what)), unknown_(std::move(unknown)) {
@@ -34,7 +36,7 @@ class KindList {
     return nullptr;
   }
 
-  /// @throws InputError there is none.
+  /// @throws InputError there is no such kind.
   [[nodiscard]] const Kind& get(Number number) const {
     if (const Kind* kind = find(number)) return *kind;
     throw InputError(unknown_ + ' ' + std::to_string(static_cast<int>(number)) +

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How wrong the force of a rigid tool is because the cells under it are large. A sphere of radius R
 // was pressed by 0.05 … 0.4 R into a block of tissue (neo-Hookean, ν = 0.45) on meshes with edges
-// of 0.35 … 4 R, at three places each, beside the values that these tend to. All errors lie near
-// one curve in x, the longest edge over the radius a of the contact, that follows from its area,
+// of 0.35 … 4 R, at three places each, and the forces were compared with the values to which they
+// tend. All errors lie near one curve in x, the longest edge over the radius a of the contact, that
+// follows from its area,
 //
 //   e = 0.040 x² / (1 + 0.105 x)    quadratic cells
 //   e = 0.45 x^1.3                  linear cells
 //
-// mostly within a third of it for x of 0.6 … 9; beyond, under deep presses of very coarse meshes,
-// the curve is above them. It was fitted to these same points, and the values that they tend to
-// were extrapolated from the two finest meshes: it is a guide, not a bound. The force is too large
-// by this share of the true one: a coarse mesh is too stiff.
+// Most are within a third of it for x of 0.6 … 9. Beyond that, where very coarse meshes are pressed
+// deeply, they are below the curve. The curve was fitted to these same points, and the values to
+// which the forces tend were extrapolated from the two finest meshes, so it is a guide and not a
+// bound. The force is too large by this share of the true one: a coarse mesh is too stiff.
 #pragma once
 
 #include "mesh/tet_mesh.h"

@@ -17,7 +17,7 @@ class MotionKind {
   MotionKind(const MotionKind&) = delete;
   MotionKind& operator=(const MotionKind&) = delete;
 
-  /// The number by which it is stored.
+  /// The number under which the kind is stored.
   [[nodiscard]] virtual ToolMotion number() const = 0;
   /// @throws InputError the numbers are not those of such a motion.
   [[nodiscard]] virtual PoseMapPtr make(const std::vector<double>& numbers) const = 0;
@@ -26,10 +26,11 @@ class MotionKind {
   MotionKind() = default;
 };
 
-/// The kind with a number. @throws InputError there is none.
+/// The kind with a number.
+/// @throws InputError there is no such kind.
 [[nodiscard]] const MotionKind& motion_kind(ToolMotion number);
 
-/// Adds a kind for as long as the program runs. Call this before any tool is moved so.
+/// Adds a kind for as long as the program runs. Call this before any tool of the kind is made.
 /// @throws InputError its number is taken.
 void add_motion_kind(std::unique_ptr<const MotionKind> kind);
 

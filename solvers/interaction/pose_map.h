@@ -4,8 +4,8 @@
 //
 //   x = p(q) + R(q) y,   so that  y = Rᵀ (x − p)  and a direction n is  m = Rᵀ n  in its axes.
 //
-// The shape of a tool (rigid_shape.h) knows y and m alone, and a law of contact the distance there;
-// what is felt along each coordinate follows from the derivatives of y and m by q.
+// The shape of a tool (rigid_shape.h) depends on y and m alone, and the law of contact on the
+// distance at y. The force along each coordinate follows from the derivatives of y and m by q.
 #pragma once
 
 #include <array>
@@ -37,7 +37,7 @@ struct PoseJet {
   std::array<std::array<Vec3, kMaxPoseCoordinates>, kMaxPoseCoordinates> place_by_two{};
   std::array<std::array<Mat3, kMaxPoseCoordinates>, kMaxPoseCoordinates> rotation_by_two{};
 
-  /// All is zero but R, which is the identity.
+  /// Everything is zero except R, which is the identity.
   explicit PoseJet(int coordinates);
 
   /// The place y of a point at x, in the tool's axes.
@@ -58,14 +58,15 @@ struct PoseJet {
   }
 };
 
-/// Does not change once it is made, and may be evaluated by several threads at once.
+/// A map does not change once it is made, and may be evaluated by several threads at once.
 class PoseMap {
  public:
   virtual ~PoseMap() = default;
 
   /// d, 1 … kMaxPoseCoordinates.
   [[nodiscard]] virtual int num_coordinates() const noexcept = 0;
-  /// @param q [d]. @param order Of the highest derivative that is wanted, 0 … 2. Those above are
+  /// @param q [d].
+  /// @param order The order of the highest derivative that is wanted, 0 … 2. Higher derivatives are
   ///   zero.
   [[nodiscard]] virtual PoseJet evaluate(const Eigen::VectorXd& q, int order = 2) const = 0;
 

@@ -126,7 +126,7 @@ std::vector<Vec3> RoundedSegment::inner_places() const {
   return places;
 }
 
-// With b = ∇Q/2 and ∇b = I + β a aᵀ there are
+// With b = ∇Q/2 and ∇b = I + β a aᵀ the derivatives are
 //   ∇d = 2f′ b,   ∇²d = 4f″ b bᵀ + 2f′ ∇b,
 //   ∇³d = 8f‴ b⊗b⊗b + 4f″ (b_i ∇b_jk + b_j ∇b_ik + b_k ∇b_ij) + 2f′ β′ a⊗a⊗a,   f = √.
 RigidShape::Jet RoundedSegment::evaluate(const Vec3& place, int order) const noexcept {

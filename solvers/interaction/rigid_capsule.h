@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sphere and capsule. A capsule of radius R is what is nearer than R to a segment of length L along
-// the unit axis a, with its middle at the tool's centre. With s = a·y and ρ = y − s a the distance
-// is
+// Sphere and capsule. A capsule of radius R is the set of places that are nearer than R to a
+// segment of length L along the unit axis a, with its middle at the tool's centre. With s = a·y and
+// ρ = y − s a the distance is
 //
 //   d(y) = √Q − R,   Q = |ρ|² + u(s)²,   u(s) = s − min(max(s, −L/2), L/2),
 //
 // where u is how far a place lies beyond the end of the segment. u has kinks, and so the Hessian of
-// d jumps where the cylinder becomes a cap. The smooth capsule has instead the mean of the clamped
+// d jumps where the cylinder becomes a cap. Instead, the smooth capsule has the mean of the clamped
 // coordinate over a width w,
 //
 //   u(s) = U(s − L/2) − U(−s − L/2),   U(x) = ∫ S dx,   S(x) = t³ (10 − 15 t + 6 t²),
 //   t = x/w + 1/2 within 0 … 1,
 //
-// U being a ramp that is C³ and exact for |x| ≥ w/2. So d is C³, it is exact farther than w/2 from
-// the seam, it is never below the distance, and with L = 0 there is u(s) = s, a sphere. The tool is
-// thinner by up to 0.0045 w²/R around the seam. On the surface the error and the largest second and
-// third derivative along one direction, which on a sphere are 1/R and 1.15/R², are
+// where U is a ramp that is C³, and exact for |x| ≥ w/2. So d is C³, is exact farther than w/2 from
+// the seam, and is never below the distance. With L = 0, u(s) = s, which gives a sphere. The tool
+// is thinner by up to 0.0045 w²/R around the seam. On the surface the error and the largest second
+// and third derivative along one direction, which on a sphere are 1/R and 1.15/R², are
 //
 //   w / R     S cubic, d C²          S quintic, d C³        S septic, d C⁴
 //   0.25      0.0004 R  1.16  12.5   0.0003 R  1.12  12.7   0.0002 R  1.11  14.6

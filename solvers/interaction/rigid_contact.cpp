@@ -19,8 +19,8 @@ constexpr double kLongestStep = 0.5;
 /// For Hertz's pressure p: the mean of p^{1/3} that the force follows, over the mean weighted by p.
 constexpr double kMeanOfHertz = 5.0 / 6;
 
-/// A ramp from 0 at x = 0 to 1 at x = 1, of which three derivatives vanish at both ends, and its
-/// first two derivatives.
+/// A ramp from 0 at x = 0 to 1 at x = 1 and its first two derivatives. Its first three derivatives
+/// vanish at both ends.
 struct Ramp {
   double value, slope, curvature;
 };

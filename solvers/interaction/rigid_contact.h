@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A rigid tool that presses the surface of a body without friction. Three things make it, of which
-// none knows the others: its shape (rigid_shape.h) gives d, the signed distance to the tool; its
-// pose (pose_map.h) gives y, where a point x of the surface is in the tool's own axes, for the
+// A rigid tool that presses the surface of a body without friction. It has three parts, none of
+// which depends on the others: its shape (rigid_shape.h) gives d, the signed distance to the tool;
+// its pose (pose_map.h) gives y, where a point x of the surface is in the tool's own axes, for the
 // coordinates q of the tool; the law of contact (contact_law.h) gives ψ, the energy of an area at a
 // distance.
 //
@@ -9,15 +9,15 @@
 //
 // over the surface at rest.
 //
-// The part of the law's layer that is left, e = δ − o − 5/6 ∫ h p dA / ∫ p dA with h = δ − g, makes
-// the tool feel as if it were deeper by e than it is. The factor makes that mean the one that
-// belongs to the force: with Hertz's pressure, by the principle of complementary energy, it is δ −
-// o − ¾ δ (p₀/κ)^{1/3}.
+// The part of the law's layer that is not pressed in, e = δ − o − 5/6 ∫ h p dA / ∫ p dA with h = δ
+// − g, makes the tool feel as if it were deeper by e than it is. The factor 5/6 turns the mean,
+// which is weighted by pressure, into the one that determines the force: with Hertz's pressure, by
+// the principle of complementary energy, e is δ − o − ¾ δ (p₀/κ)^{1/3}.
 //
-// The far side of a thin lobe may lie in the layer too, or in the tool. It is told apart by which
-// way it looks: with c = −m·∇d, m the normal of the face at rest in the tool's axes, s is 1 where
-// c ≥ 0, as on every face that looks towards the tool, and falls smoothly to 0 where it looks away
-// by 30° or more.
+// The far side of a thin lobe may lie in the layer too, or in the tool. It is recognised by the
+// direction in which it looks: with c = −m·∇d, where m is the normal of the face at rest in the
+// tool's axes, s is 1 where c ≥ 0, as on every face that looks towards the tool, and falls smoothly
+// to 0 where it looks away by 30° or more.
 #pragma once
 
 #include <memory>
@@ -57,7 +57,7 @@ class RigidContact final : public Interaction {
   void add_hessian(const Eigen::VectorXd& q, const NodalVector& state,
                    PotentialHessian& hessian) const override;
 
-  /// What a tool at q touches.
+  /// The part of the body that a tool at q touches.
   struct Patch {
     /// The pressure at each point of the mesh, Pa: the mean over the surface around it.
     std::vector<double> pressure;
@@ -96,8 +96,8 @@ class RigidContact final : public Interaction {
 };
 
 /// The part of a force that is the error of the layer, N; positive: the force is larger than with a
-/// hard tool. With the stiffness k along the force F, a sphere of which Hertz's law F ~ d^{3/2}
-/// holds is at the depth d = 3/2 F/k, of which e is too much.
+/// hard tool. With the stiffness k along the force F, a sphere that obeys Hertz's law F ~ d^{3/2}
+/// is at the depth d = 3/2 F/k, which is too large by e.
 /// @param layer_depth e, see RigidContact::Patch.
 /// @param stiffness Derivative of the force by the place of the tool, N/m.
 /// @returns NaN where the tool has no stiffness along the force, as where it slides off.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The shape of a rigid tool for contact without friction: its signed distance and the derivatives
-// of it. A tool whose centre is at p and which does not turn has at a place x of the body the gap
+// of it. For a tool that has its centre at p and does not turn, the gap at a place x of the body is
 //
 //   g(x) = d(x − p),   d > 0 outside the tool, 0 on its surface, < 0 inside,
 //

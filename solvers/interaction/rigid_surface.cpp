@@ -33,8 +33,8 @@ constexpr double kOffsets[] = {-0.25, -0.125, 0, 0.5, 1};
 /// and curved ones, turned at random), none of 150 000 random places had a larger error than the
 /// measured one.
 constexpr double kMargin = 1.1;
-/// At edges the error is proportional to the spacing, elsewhere to a power of it: the next spacing
-/// is what would do at edges, within limits.
+/// The error is proportional to the spacing at edges, and to a power of it elsewhere. So the next
+/// spacing that is tried is the one that would suffice at edges, within limits.
 constexpr double kAim = 0.9;
 constexpr double kLeastRefinement = 0.85;
 constexpr double kMostRefinement = 0.5;
@@ -81,7 +81,7 @@ std::vector<RigidShape::Ball> balls_on(const ToolSurface& tool, double distance)
     const Vec3& at_c = tool.points[c];
     for (const Vec3& corner : {at_a, at_b, at_c}) add(corner);
     add((at_a + at_b + at_c) / 3);
-    // In a large triangle these places leave wide gaps.
+    // In a large triangle these places leave wide gaps, which further places fill.
     const double longest =
         std::max({(at_b - at_a).norm(), (at_c - at_b).norm(), (at_a - at_c).norm()});
     const int parts = static_cast<int>(std::ceil(longest / (2 * distance)));
@@ -154,7 +154,7 @@ void RigidSurface::make_spline(double spacing) {
     last = nearest.triangle;
     return nearest.distance;
   };
-  spline_.reset();  // before there are two
+  spline_.reset();  // frees the old one before the new one is made
   spline_ = std::make_unique<BsplineGrid>(
       distance, BsplineGrid::Options{{tree_.bounds().min() - around, tree_.bounds().max() + around},
                                      spacing,

@@ -6,10 +6,10 @@
 // instead (bspline_grid.h), which is C³ where −δ/2 ≤ d ≤ δ around the surface, δ being the
 // thickness of the layer in which contact acts. It rounds edges over about the spacing h of its
 // grid: its error is 0.35 h at the corners of a cube and falls with h⁴ where the surface is smooth.
-// h is the largest that keeps the error wanted, or that which is given. Where triangles stand for a
-// smooth surface, a larger h gives better derivatives, since it does not show the triangles. Of a
-// sphere of radius R in triangles with edges e, the root mean square of the errors of value,
-// gradient, Hessian and third derivative is
+// h is the largest spacing that keeps the error within the wanted one, or the spacing that is
+// given. Where triangles stand for a smooth surface, a larger h gives better derivatives, since it
+// does not show the triangles. For a sphere of radius R made of triangles with edges e, the root
+// mean square errors of value, gradient, Hessian and third derivative are
 //
 //   h         e         d           ∇d        ∇²d       ∇³d
 //   0.1 R     0.13 R    0.0028 R    0.006     0.17/R    4.0/R²
@@ -17,9 +17,9 @@
 //   0.025 R   0.13 R    0.0029 R    0.035     1.8/R     90/R²
 //
 // The error is measured with exact distances at places that depend on the surface and h alone:
-// points of each triangle, its corners and edges among them, up to h apart, and what lies −δ/4,
-// −δ/8, δ/2 and δ away from each along the normal. A tenth is added to the largest of these errors,
-// for the places in between.
+// points of each triangle, including its corners and edges, up to h apart, and the places −δ/4,
+// −δ/8, δ/2 and δ away from each of them along the normal. A tenth is added to the largest of these
+// errors, for the places in between.
 //
 // Where the grid ends, some spacings beyond the band, the distance is the exact one inside the
 // tool, with a gradient from the nearest point of the surface and a Hessian of zero. Outside it is

@@ -89,7 +89,7 @@ std::vector<Edge> sorted_edges(const Triangles& triangles) {
   return edges;
 }
 
-/// Checks that each edge is there twice.
+/// Checks that each edge occurs twice.
 void check_closed(const std::vector<Edge>& edges, const std::vector<Vec3>& points) {
   std::size_t num_single = 0;
   std::size_t num_crowded = 0;
@@ -115,7 +115,7 @@ void check_closed(const std::vector<Edge>& edges, const std::vector<Vec3>& point
 }
 
 /// Turns triangles so that those at an edge go along it in opposite directions.
-/// @param edges Each edge is there twice.
+/// @param edges All edges, each of which occurs twice.
 void orient(const std::vector<Edge>& edges, const std::vector<Vec3>& points, Triangles& triangles) {
   struct Neighbour {
     Index triangle;

@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// The numbers are stored: keep them.
+/// The numbers are stored in files: do not change them.
 enum class ToolShape : std::int32_t { sphere = 0, capsule = 1, surface = 2 };
 /// A file does not have these numbers yet: in a state space all tools are translated.
 enum class ToolMotion : std::int32_t { translated = 0 };
@@ -42,14 +42,14 @@ struct RigidTool {
 };
 
 /// Defaults of the thickness and the stiffness of contact, in half-widths of the tool and in
-/// Young's moduli of the body's surface. A layer of which neither is given is much stiffer, and
-/// calibrated: drawn back so far that at a depth of kCalibratedDepth half-widths the mean gap of
-/// Hertz's contact is 0. Besides the offset only κ/δ³ matters: it is that of a layer of 0.05
+/// Young's moduli of the body's surface. If neither is given, the layer is much stiffer and is
+/// calibrated: it is drawn back so far that at a depth of kCalibratedDepth half-widths the mean gap
+/// of Hertz's contact is 0. Besides the offset, only κ/δ³ matters. It is that of a layer of 0.05
 /// half-widths with the usual stiffness, while the points of integration are those of a thicker
-/// layer, which are dense enough (tests/benchmark/README.md). A thickness of the user's own is left
-/// as it is, so that what was computed with it stays. A surface that is much larger than it is
-/// thick, such as a plate, has a thicker layer, since the grid of its distance would be too large
-/// otherwise: its area is kLargestAreaOfThickness squares of the thickness.
+/// layer, which are dense enough (tests/benchmark/README.md). A thickness that the user gives is
+/// not changed, so that earlier results with it stay valid. A surface that is much larger than it
+/// is thick, such as a plate, has a thicker layer, since the grid of its distance would be too
+/// large otherwise: its area is kLargestAreaOfThickness squares of the thickness.
 inline constexpr double kThicknessOfRadius = 0.2;
 inline constexpr double kLargestAreaOfThickness = 5000;
 inline constexpr double kStiffnessOfModulus = 2;
@@ -65,12 +65,12 @@ inline constexpr double kCalibratedDepth = 0.07;
 /// The thickness of contact where it is not given, m.
 [[nodiscard]] double usual_thickness(const RigidTool& tool);
 
-/// The tool with the thickness, the stiffness and the offset that suit it and the body where the
-/// first two are 0.
+/// Returns the tool with a thickness or stiffness of 0 replaced by one that suits the tool and the
+/// body. If both are 0, it also sets the offset.
 [[nodiscard]] RigidTool with_defaults(RigidTool tool, const Scene& scene);
 
-/// Young's modulus at small strain of the cells under the touchable surface, the mean by area, Pa;
-/// of the whole free surface where no face is touchable.
+/// The mean by area of Young's modulus at small strain of the cells under the touchable surface,
+/// Pa. If no face is touchable, it is the mean over the whole free surface.
 [[nodiscard]] double mean_youngs_modulus(const Scene& scene);
 /// The same mean of E* = E/(1 − ν²), the modulus that matters where a hard tool presses without
 /// friction.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The meaning of the numbers of a stored tool (rigid_tool.h), for each kind of shape. A kind makes
-// the shape. It also answers the questions of panels and plans without the shape, since the
+// the shape. It also answers the questions of panels and plans without making the shape, since the
 // distance to a surface takes long to compute.
 #pragma once
 
@@ -19,7 +19,7 @@ class ShapeKind {
   ShapeKind(const ShapeKind&) = delete;
   ShapeKind& operator=(const ShapeKind&) = delete;
 
-  /// The number by which it is stored.
+  /// The number under which the kind is stored.
   [[nodiscard]] virtual ToolShape number() const = 0;
   /// Half of the tool's least width, m.
   [[nodiscard]] virtual double half_width(const RigidTool& tool) const = 0;
@@ -40,7 +40,7 @@ class ShapeKind {
 
 /// The kind with a number; null: there is none, as with a number from a damaged file.
 [[nodiscard]] const ShapeKind* find_shape_kind(ToolShape number);
-/// @throws InputError there is none.
+/// @throws InputError there is no kind with this number.
 [[nodiscard]] const ShapeKind& shape_kind(ToolShape number);
 
 /// Adds a kind for as long as the program runs. Call this before any tool of the kind is made.

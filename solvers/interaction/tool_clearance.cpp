@@ -78,7 +78,8 @@ ToolClearance::Deepest ToolClearance::deepest_of_body(const Vec3& q) const {
 
 double ToolClearance::clearance(const Vec3& q) const {
   const double of_layer = deepest_of_body(q).gap - margin_;
-  // A tool that touches nothing may still be within the body. It is so as long as its centre is.
+  // A tool that touches nothing may still be within the body. It counts as within as long as its
+  // centre is.
   const double of_centre = body_.nearest(q).distance;
   return of_centre < 0 ? std::min(of_layer, of_centre) : of_layer;
 }
@@ -103,7 +104,7 @@ ToolClearance::Approach ToolClearance::approach(const Vec3& q) const {
     deepest.depth = depth;
     deepest.touched = nearest.point;
     deepest.around = body_.points_of(nearest.triangle);
-    // Near the surface rounding spoils the direction to it.
+    // Near the surface, rounding spoils the direction from its nearest point.
     deepest.out = std::abs(nearest.distance) > 1e-3 * margin_
                       ? Vec3((centre - nearest.point) / nearest.distance)
                       : nearest.normal;
@@ -137,7 +138,7 @@ std::vector<Vec3> ToolClearance::directions_out(const Vec3& q) const {
   for (int k = 0; k < 3; ++k) {
     for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * Vec3::Unit(k));
   }
-  // Across a plate, whichever way it lies.
+  // For a plate, add the two directions across it, whichever way it lies.
   const Vec3 across = gap_gradient(body_.bounds().center(), q);
   if (across.norm() > kUsableGradient) {
     for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * across.normalized());

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a rigid tool is clear of a body at rest; elsewhere, how deep it is in the body, and the way
-// out.
+// Tells where a rigid tool is clear of a body at rest, and elsewhere how deep it is in the body and
+// which way leads out.
 //
 // The depth of a tool follows from those of its places that are deepest in the body. For a tool
 // that is larger than the body, such as a plate on which the body lies, it also follows from the
 // body's places that are deepest in the tool. Both are lower bounds of the way that the tool must
-// go to be clear, and the larger one counts. Such a tool goes out by the shortest of several ways,
-// since a deep place of a plate may be nearer to the side of the body.
+// go to be clear, and the larger one counts. The way out of such a large tool is the shortest of
+// several, since a deep place of a plate may be nearer to the side of the body.
 #pragma once
 
 #include <array>
@@ -101,8 +101,8 @@ class ToolClearance {
   /// The rotation of the tool, the same at all places.
   Mat3 rotation_;
   std::shared_ptr<const ContactSurface> surface_;
-  /// The reach of the layer of contact and twice the error of the shape, m: what the shape
-  /// gives for two places differs by no more than their distance and that.
+  /// The reach of the layer of contact plus twice the error of the shape, m. The values of the
+  /// shape at two places differ by no more than their distance plus twice that error.
   double margin_;
   SurfaceTree body_;
   /// The balls of the shape, in the axes of the scene.

@@ -18,7 +18,7 @@ class ToolKind {
   ToolKind(const ToolKind&) = delete;
   ToolKind& operator=(const ToolKind&) = delete;
 
-  /// The number by which it is stored.
+  /// The number under which the kind is stored.
   [[nodiscard]] virtual InteractionKind number() const = 0;
   /// The name of a tool, for a message: "active node 8", "the sphere of radius 0.01 m".
   [[nodiscard]] virtual std::string name(const InteractionSpec& spec) const = 0;
@@ -31,7 +31,8 @@ class ToolKind {
   /// The shape by which the tool is shown.
   [[nodiscard]] virtual RigidTool shown_shape(const InteractionSpec& spec) const = 0;
 
-  /// Makes the tool. @param of The factory of the body, with the parts that it has made already.
+  /// Makes the tool.
+  /// @param of The factory of the body, with the parts that it has made already.
   /// @throws InputError the tool cannot be on that body, see InteractionFactory::make().
   [[nodiscard]] virtual std::unique_ptr<Interaction> make(const InteractionSpec& spec,
                                                           InteractionFactory& of) const = 0;
@@ -45,7 +46,8 @@ class ToolKind {
   ToolKind() = default;
 };
 
-/// The kind with a number. @throws InputError there is none.
+/// The kind with a number.
+/// @throws InputError there is no such kind.
 [[nodiscard]] const ToolKind& tool_kind(InteractionKind number);
 
 /// Adds a kind for as long as the program runs. Call this before any tool of the kind is made.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The absent root cells of a sparse grid (cell_tree.h): in which parts of them the tool touches
-// nothing, and which existing root cell is nearest.
+// Finds, for the absent root cells of a sparse grid (cell_tree.h), in which parts of them the tool
+// touches nothing, and which existing root cell is nearest.
 //
 // Let c be the clearance at the centre of a cube, and r half its diagonal. Since c changes by no
 // more than the distance, |c| > r decides for the whole cube.

@@ -62,7 +62,7 @@ Support BodyField::evaluate(const Vec3& t, FieldSource& fields, Keep needed, Nod
         {configurations_[static_cast<std::size_t>(configuration)], weight.a, weight.d});
   }
   fields.add_up(setup_, shares, needed, u, p);
-  // The extrapolation overflows so far out, and there is no answer.
+  // So far out, the extrapolation overflows, and there is no answer.
   if (!u.allFinite() || !p.allFinite()) {
     u.resize(0);
     p.resize(0);

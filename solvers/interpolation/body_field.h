@@ -19,12 +19,12 @@ class BodyField {
   /// @throws InputError the tool space has no grid, see CheckPointGrid.
   explicit BodyField(const TouchToolSpace& tool_space)
       : BodyField(tool_space, CheckPointGrid(tool_space)) {}
-  /// @param grid The grid of the tool space, such as that of an interpolator: to make that of a
-  ///   rigid tool takes a while.
+  /// @param grid The grid of the tool space, such as that of an interpolator: it takes a while to
+  ///   make the grid of a rigid tool.
   BodyField(const TouchToolSpace& tool_space, CheckPointGrid grid);
 
-  /// @param fields Those of the space, such as a FieldCache: what is needed at t is read if it is
-  ///   not in memory.
+  /// @param fields The fields of the space, such as a FieldCache. Those that are needed at t are
+  ///   read if they are not in memory.
   /// @param needed The points whose displacement is needed; that of other points may be zero.
   /// @param u Displacement [3 × num_points], m.
   /// @param p Pressures [num_pressures], Pa; empty if the body has none. Both u and p are empty if

@@ -21,7 +21,8 @@ constexpr double kShrinks = 0.125;
 /// are seldom smaller than the contact layer.
 constexpr double kShrinksInContact = 0.25;
 
-/// Layers of leaves around one across branches whose mixed derivatives are differences across it.
+/// The number of layers of leaves, around a leaf that lies across branches, whose mixed derivatives
+/// are differences across that leaf.
 constexpr int kLayers = 2;
 
 }  // namespace

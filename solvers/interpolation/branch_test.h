@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether one smooth branch runs through a leaf. The residual of the energy Π along the edges
-// tells: under refinement it falls to 1/32 where Π is smooth, to a half where the force jumps, and
-// stays where Π jumps from one branch to another.
+// Whether one smooth branch runs through a leaf. This follows from the residual of the energy Π
+// along the edges. Under refinement it falls to 1/32 where Π is smooth and to a half where the
+// force jumps, and it stays the same where Π jumps from one branch to another.
 #pragma once
 
 #include <vector>
@@ -27,12 +27,12 @@ class BranchTest {
     return largest(cell, false, Edges::all);
   }
 
-  /// The largest residual along the edges of leaves that lie across branches themselves, J.
+  /// The largest residual along the edges of leaves for which has_jump() holds, J.
   [[nodiscard]] double largest_jump() const;
 
-  /// Whether two refinements in a row have left more than an eighth of a leaf's residual, in a
-  /// sparse grid a quarter. Edges between a free node and one that is not free do not count:
-  /// contact begins there with the fourth power of the depth, and no branch ends. The answer
+  /// Whether two refinements in a row have each left more than an eighth of the residual, or in a
+  /// sparse grid more than a quarter. Edges between a free node and one that is not free do not
+  /// count: contact begins there with the fourth power of the depth, and no branch ends. The answer
   /// depends on the root cell of the leaf alone.
   [[nodiscard]] bool has_jump(const Cell& leaf) const;
 

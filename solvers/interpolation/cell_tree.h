@@ -81,40 +81,40 @@ class CellTree {
   static constexpr std::int32_t kNearestRoot = kFree + 1;
 
   struct Leaf {
-    /// Nodes; z fastest.
+    /// The nodes at the corners, z fastest.
     std::array<std::int32_t, 8> corners{};
     Cell cell;
   };
 
-  /// @param configurations Those off the grid are ignored.
+  /// @param configurations Configurations off the grid are ignored.
   /// @param clearance The clearance of the tool, for a sparse grid; empty: nothing is proved free.
   /// @throws InputError a resolution that is not odd and positive, or coarsest cells that do not
   ///   tile the box.
   CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
            const Clearance& clearance = {});
 
-  /// What is where, after configurations were added to a tree.
+  /// Where the nodes and leaves of a tree are in the tree to which configurations were added.
   struct Growth {
-    /// By node of the tree before, the same node now.
+    /// The new number of each node of the earlier tree.
     std::vector<std::int32_t> nodes;
-    /// By leaf of the tree before, the same leaf now; −1: its root cell was built anew.
+    /// The new number of each leaf of the earlier tree; −1: its root cell was built anew.
     std::vector<std::int32_t> leaves;
     /// The nodes in or at the root cells that were built anew, ascending. At all other nodes the
     /// leaves are as they were.
     std::vector<std::int32_t> nodes_anew;
   };
-  /// The tree of the same grid after configurations were added or changed. It has the nodes and the
-  /// leaves that it would have if it were made of all of them, but another order of the leaves.
-  /// Root cells without a change are copied.
+  /// Makes the tree of the same grid after configurations were added or changed. It has the same
+  /// nodes and leaves as a tree that is made from all configurations, but the leaves may be in
+  /// another order. Root cells without a change are copied.
   /// @param changed The check-points of these configurations.
-  /// @param clearance That of the tree before.
+  /// @param clearance The clearance of the earlier tree.
   CellTree(const CellTree& before, const Grid& grid, const std::vector<CheckPoint>& changed,
            const Clearance& clearance, Growth& growth);
 
   [[nodiscard]] std::int32_t num_nodes() const { return static_cast<std::int32_t>(keys_.size()); }
   /// Side of the root cells, in steps of the grid.
   [[nodiscard]] std::int32_t coarsest() const { return coarsest_; }
-  /// Nodes are numbered in the order of their check-points.
+  /// The check-point of a node. Nodes are numbered in the order of their check-points.
   [[nodiscard]] CheckPoint point(std::int32_t node) const;
   /// The node at a check-point; −1: there is none.
   [[nodiscard]] std::int32_t find(const CheckPoint& point) const;
@@ -133,7 +133,7 @@ class CellTree {
   /// @note Realtime-safe.
   [[nodiscard]] Place locate(const Vec3& x) const noexcept;
   /// The leaf that is nearest to a point of an absent root cell, searched in the root cells around
-  /// the point and in a given one. So what is interpolated does not jump at the sides of leaves.
+  /// the point and in a given one. So the interpolated values do not jump at the sides of leaves.
   /// @param root The number of a root cell that exists.
   /// @param x The point; it is replaced by the nearest point of the leaf.
   /// @note Realtime-safe.
@@ -201,7 +201,7 @@ class CellTree {
   std::int32_t num_roots_ = 0;
   double per_coarsest_ = 1;
   /// The root cells, z fastest, and then the children of each cell next to each other. An entry is
-  /// the index of the cell's first child or, below zero, ~leaf; for an absent place it is as in
+  /// the index of the cell's first child or, below zero, ~leaf; for an absent place, leaf is as in
   /// Place.
   std::vector<std::int32_t> cells_;
   std::vector<Leaf> leaves_;

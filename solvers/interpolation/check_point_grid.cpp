@@ -50,10 +50,11 @@ CheckPointGrid::CheckPointGrid(const Grid& grid,
 struct CheckPointGrid::Known {
   const CheckPointGrid& before;
   const CellTree::Growth& growth;
-  /// By node: the node before, −1: there was none; and whether its neighbourhood has changed.
+  /// For each node, its earlier number (−1: it did not exist), and whether its neighbourhood has
+  /// changed.
   std::vector<std::int32_t> node_before;
   std::vector<char> is_anew;
-  /// By leaf: the leaf before, −1: its root cell was built anew.
+  /// The earlier number of each leaf; −1: its root cell was built anew.
   std::vector<std::int32_t> leaf_before;
 
   Known(const CheckPointGrid& grid, const CheckPointGrid& grid_before,
@@ -93,7 +94,7 @@ void CheckPointGrid::find_configurations(const std::vector<ConfigurationSummary>
   std::int32_t next = 0;
   for (std::size_t i = 0; i < configurations.size(); ++i) {
     const ConfigurationSummary& c = configurations[i];
-    // They mostly come in the order of the nodes.
+    // Configurations mostly come in the order of the nodes.
     const bool is_next = next < num_nodes() && tree_.point(next) == c.check_point;
     const std::int32_t node = is_next ? next : tree_.find(c.check_point);
     if (node < 0) continue;

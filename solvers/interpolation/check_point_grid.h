@@ -23,7 +23,7 @@ namespace palpate {
 
 /// How far a result can be trusted. The numbers are stored in data arrays: do not change them.
 enum class Support : int {
-  /// Nothing to interpolate, or t is not finite: force, stiffness and energy are zero.
+  /// There is nothing to interpolate, or t is not finite: force, stiffness and energy are zero.
   none = 0,
   inside = 1,
   /// Outside the box, in a cell that lacks a usable corner, or in no cell and not proved free.
@@ -37,17 +37,17 @@ inline constexpr Flags kMarking = flags::inverted | flags::unstable | flags::nea
 
 class CheckPointGrid {
  public:
-  /// Of several levels of a check-point, the first usable one is taken. Configurations without
+  /// If a check-point has several levels, the first usable one is taken. Configurations without
   /// finite energy, force and stiffness are not used.
   /// @throws InputError as CellTree, a half-width that is not positive, or a configuration that
   ///   does not lie at its check-point.
   CheckPointGrid(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
                  const Clearance& clearance = {});
   explicit CheckPointGrid(const TouchToolSpace& tool_space);
-  /// The grid of a tool space that has taken further configurations, as it is if it is made of all
-  /// of them, but for the order of the leaves. What depends on the neighbourhood of a node or a
-  /// leaf is found anew only in root cells with a change, and at their borders.
-  /// @param before The grid before that.
+  /// Makes the grid of a tool space to which configurations were added. It equals the grid that is
+  /// made from all of them, except for the order of the leaves. What depends on the neighbourhood
+  /// of a node or a leaf is found anew only in root cells with a change, and at their borders.
+  /// @param before The grid before they were added.
   /// @param changed The check-points of these configurations.
   CheckPointGrid(const CheckPointGrid& before, const TouchToolSpace& tool_space,
                  const std::vector<CheckPoint>& changed, CellTree::Growth& growth);
@@ -149,8 +149,8 @@ class CheckPointGrid {
   }
 
  private:
-  /// unknown: no configuration of the tool space is usable. lacks_free: corners without a usable
-  /// configuration are free all the same.
+  /// unknown: no configuration of the tool space is usable. lacks_free: all corners that lack a
+  /// usable configuration are nevertheless free.
   enum class State : char { unknown, zero, lacks_corner, lacks_free, complete, marked, across };
   static constexpr Place kPlaceIn[] = {Place::nowhere, Place::free, Place::cell, Place::cell,
                                        Place::cell,    Place::cell, Place::cell};
@@ -161,7 +161,7 @@ class CheckPointGrid {
   /// rounding of t = i·H must not put a check-point of the border outside.
   static constexpr double kOnBorder = 1e-9;
 
-  /// Of a grid that grows: what is known from before.
+  /// What is known of a grid from before it has grown.
   struct Known;
 
   /// @throws InputError a configuration does not lie at its check-point.
@@ -169,7 +169,7 @@ class CheckPointGrid {
   [[nodiscard]] bool find_free(std::int32_t node,
                                const std::vector<ConfigurationSummary>& configurations,
                                const Clearance& clearance) const;
-  /// @param known Null: nothing is known.
+  /// @param known What is known from before the grid has grown; null: nothing.
   void classify(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
                 const Clearance& clearance, const Known* known);
   void classify_leaves(const std::vector<ConfigurationSummary>& configurations, const Known* known);
@@ -187,23 +187,23 @@ class CheckPointGrid {
   Vec3 origin_;
   bool is_sparse_;
   bool any_usable_ = false;
-  /// No configuration is usable, and no place is known to be free.
+  /// Whether no configuration is usable, and no place is known to be free.
   bool is_empty_ = false;
   bool outside_is_free_ = false;
   bool has_extrapolated_nodes_ = false;
-  /// Index of the configuration, by node; −1: none.
+  /// The index of the configuration of each node; −1: none.
   std::vector<std::int32_t> configuration_;
-  /// Whether a node is free, by node.
+  /// Whether each node is free.
   std::vector<char> free_;
-  /// By leaf.
+  /// The state of each leaf.
   std::vector<State> states_;
-  /// By leaf: whether the energy jumps within it, see BranchTest::has_jump().
+  /// Whether the energy jumps within each leaf, see BranchTest::has_jump().
   std::vector<char> has_jump_;
-  /// Whether a leaf is proved free, by leaf.
+  /// Whether each leaf is proved free.
   std::vector<char> proved_free_;
   std::vector<HangingNode> hanging_nodes_;
   std::vector<HangingNode> hanging_on_complete_;
-  /// The nearest usable node, by node.
+  /// The usable node that is nearest to each node.
   std::vector<std::int32_t> nearest_;
 };
 

@@ -10,7 +10,8 @@
 namespace palpate {
 namespace {
 
-/// A map of so many places takes about 100 MB. Further places are asked each time.
+/// A map of so many places takes about 100 MB. For further places, the clearance is computed each
+/// time.
 constexpr std::size_t kMostPlaces = 1'000'000;
 
 class Memory {

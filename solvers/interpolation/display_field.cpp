@@ -85,7 +85,7 @@ Support DisplayField::coefficients(const Vec3& t, float* out) const noexcept {
   const CheckPointGrid::Location at = grid_.locate(t);
   for_each_node(grid_, at,
                 [&](std::int32_t node, double a, const Vec3& d) { add_node(node, a, d, out); });
-  // The extrapolation overflows so far out, and there is no answer.
+  // So far out, the extrapolation overflows, and there is no answer.
   if (at.place != Place::cell && !std::all_of(out, out + num_modes_, is_finite)) {
     std::fill_n(out, num_modes_, 0.F);
     return Support::none;

@@ -29,7 +29,7 @@ class EnergyHermite final : public Interpolator {
       const TouchToolSpace& tool_space, const std::vector<CheckPoint>& changed) const override;
 
  private:
-  /// @param growth Filled in while the base is made.
+  /// @param growth It is filled in while the base class is constructed.
   EnergyHermite(const EnergyHermite& before, const TouchToolSpace& tool_space,
                 const std::vector<CheckPoint>& changed, CellTree::Growth&& growth);
 
@@ -41,7 +41,8 @@ class EnergyHermite final : public Interpolator {
 
   HermiteDataOptions data_options_;
   std::vector<HermiteNode> nodes_;
-  /// What the next one needs that grows from this; empty where none has grown yet.
+  /// The data that an interpolator needs which grows from this one; empty unless this one has grown
+  /// from another.
   HermiteMemory memory_;
   double per_spacing_;
   HermiteKernel kernel_;

@@ -83,7 +83,7 @@ class Estimator {
     return estimate;
   }
 
-  /// The estimates, by leaf.
+  /// The estimate of each leaf.
   [[nodiscard]] std::vector<CellEstimate> estimates() const {
     std::vector<CellEstimate> estimates;
     const auto count = static_cast<std::int32_t>(grid_.tree().leaves().size());
@@ -226,7 +226,7 @@ class Estimator {
   std::vector<HermiteNode> data_;
   /// The data with differences of fewer nodes, minus data_.
   std::vector<HermiteNode> difference_;
-  /// By leaf: the largest error at the nodes that hang on it, N.
+  /// The largest error at the nodes that hang on each leaf, N.
   std::vector<double> hanging_;
 };
 

@@ -76,7 +76,7 @@ struct CellEstimate {
 inline constexpr std::int32_t kMarkedCorner = 4;
 inline constexpr std::int32_t kMarkedEdge = 8;
 
-/// What is to be done to reach a tolerance.
+/// The next refinement that is needed to reach a tolerance.
 struct Refinement {
   /// The estimates of all leaves, in the order of their cells.
   std::vector<CellEstimate> estimates;
@@ -91,11 +91,11 @@ struct Refinement {
 /// that lacks a configuration, usable or not, at a corner; one whose corners are all beyond the
 /// force limit or not usable; a marked one as said above; and one that is proved free
 /// (check_point_grid.h). A leaf is named again until each point of its halves has a configuration.
-/// So give also a point that was not reached, with an outcome that says so.
+/// So a point that was not reached must be given too, with an outcome that says so.
 /// @param tolerance Tolerance of the force, N.
 /// @param smallest The smallest side that a split may produce.
-/// @param is_left Whether a leaf is not split for its error, however large that is; empty: none is
-///   left so. It may still be split for the sake of its neighbours.
+/// @param is_left Whether a leaf is not split because of its error, however large that is; empty:
+///   this holds for no leaf. The leaf may still be split for the sake of its neighbours.
 /// @throws InputError as CheckPointGrid, or the tolerance is not positive.
 [[nodiscard]] Refinement plan_refinement(
     const Grid& grid, const std::vector<ConfigurationSummary>& configurations, double tolerance,
@@ -109,12 +109,12 @@ struct Refinement {
   return plan_refinement(grid, configurations, tolerance, smallest, clearance).to_split;
 }
 
-/// The points that the halves of some cells have and the cells have not, without those that are
-/// known; each with the corners of the cells that have it.
+/// The points of the halves of some cells that are not corners of the cell itself, except those
+/// that are known. Each has the corners of all cells whose halves have it.
 [[nodiscard]] std::map<CheckPoint, std::vector<CheckPoint>> corners_of_new_points(
     const std::vector<Cell>& cells, const std::function<bool(const CheckPoint&)>& is_known);
 
-/// The 19 points that a cell's halves have and the cell has not, in their order.
+/// The 19 points of a cell's halves that are not its corners, in the order of point_of_halves().
 [[nodiscard]] std::vector<CheckPoint> points_of_split(const Cell& cell);
 
 }  // namespace palpate

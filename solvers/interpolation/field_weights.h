@@ -28,7 +28,8 @@ void for_each_corner(const CheckPointGrid& grid, const CellTree::Leaf& leaf, con
   }
 }
 
-/// Does so for a location of the grid; nothing if the location is nowhere.
+/// Distributes the field at a location of the grid in the same way. It visits no node if the
+/// location is nowhere or free.
 /// @note Realtime-safe.
 template <class Visit>
 void for_each_node(const CheckPointGrid& grid, const CheckPointGrid::Location& at, Visit&& visit) {

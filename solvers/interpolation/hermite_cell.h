@@ -21,7 +21,7 @@ namespace palpate {
 [[nodiscard]] constexpr int hermite_index(int a, int b, int c) { return 9 * c + 3 * b + a; }
 
 /// D of a node, with derivatives with respect to x in spacings; see hermite_index(). Four numbers
-/// are loaded at a time, of which the last is not used; so there is one more after the 27.
+/// are loaded at a time, and the last of them is not used; so one more number follows the 27.
 struct alignas(32) HermiteNode {
   double of[28] = {};
 };

@@ -72,7 +72,7 @@ void fill_weights(const double* x, int n, int p, double* weights) {
 /// larger leaf is continued into it by inserted points, at which the leaf gives the data.
 class StencilFinder {
  public:
-  /// @param growth Of a grid that has grown; null: all of it is new.
+  /// @param growth What has changed in a grid that has grown; null: all of it is new.
   StencilFinder(const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,
                 const HermiteDataOptions& options, const CellTree::Growth* growth)
       : grid_(grid),
@@ -130,10 +130,10 @@ class StencilFinder {
   struct Inserted {
     CheckPoint check_point{};
     CellTree::Place place;
-    /// The leaf has changed.
+    /// Whether the leaf has changed.
     bool is_anew = false;
   };
-  /// The inserted points, which are numbered after the nodes. A point may be there several times.
+  /// The inserted points, which are numbered after the nodes. A point may occur several times.
   [[nodiscard]] const std::vector<Inserted>& inserted() const { return inserted_; }
 
  private:
@@ -246,7 +246,7 @@ struct Incomplete {
   /// Derivatives with a + b + c up to this are known.
   int known = 2;
   std::array<Stencil, 3> stencils;
-  /// A stencil may be another one than before.
+  /// Whether a stencil may differ from the earlier one.
   bool is_anew = true;
 };
 
@@ -254,20 +254,20 @@ constexpr int total_of(int entry) { return entry / 9 + entry / 3 % 3 + entry % 3
 constexpr int kMostTotal = 6;
 constexpr unsigned kAllTotals = ~0U;
 
-/// What has changed of the data at a node: bit t stands for the derivatives with a + b + c = t.
+/// Which data of a node have changed: bit t stands for the derivatives with a + b + c = t.
 unsigned changes(const HermiteNode& a, const HermiteNode& b) {
   unsigned mask = 0;
   for (int entry = 0; entry < 27; ++entry) {
-    // The bits count: 0 and −0 differ.
+    // Compare the bits, so that 0 and −0 differ.
     if (std::memcmp(a.of + entry, b.of + entry, sizeof(double)) != 0) mask |= 1U << total_of(entry);
   }
   return mask;
 }
 
-/// Fills in the missing derivatives of a grid, from the lower ones at other nodes. Where nothing
-/// that they depend on has changed, they stay as they are: those before.
+/// Fills in the missing derivatives of a grid, from the lower ones at other nodes. They keep their
+/// earlier values where nothing has changed on which they depend.
 /// @param changed What has changed at each node and inserted point; the missing totals are added.
-/// @param before By node, its data before; null: there are none.
+/// @param before The earlier data of each node; null: there are none.
 void fill_missing(const std::vector<Incomplete>& nodes,
                   const std::vector<const HermiteNode*>& before, std::vector<unsigned>& changed,
                   std::vector<HermiteNode>& data) {
@@ -314,7 +314,7 @@ void fill_missing(const std::vector<Incomplete>& nodes,
   }
 }
 
-/// By node, its data before; null: there are none.
+/// The earlier data of each node; null: there are none.
 std::vector<const HermiteNode*> data_before(std::size_t num_nodes, const HermiteBefore* before,
                                             const std::vector<HermiteNode>* data) {
   std::vector<const HermiteNode*> of_node(num_nodes, nullptr);
@@ -355,7 +355,7 @@ std::vector<HermiteNode> hermite_data(const CheckPointGrid& grid,
     }
     if (first[n] == nullptr) continue;
     changed[n] = changes(data[n], *first[n]);
-    // What is missing is compared when it is filled in.
+    // Missing derivatives are compared when they are filled in.
     if (!nodes.empty() && nodes.back().node == n) changed[n] &= (2U << nodes.back().known) - 1;
   }
   std::vector<unsigned> of_second = changed;
@@ -391,7 +391,7 @@ std::vector<HermiteNode> hermite_data(const CheckPointGrid& grid,
       }
       of_second.push_back(is_known ? changes(here->second, old->second) : kAllTotals);
     }
-    // After the loop: the leaves have the data of nodes alone.
+    // Add the points only after the loop, in which the leaves have the data of nodes alone.
     for (const StencilFinder::Inserted& point : finder.inserted()) {
       data.push_back(inserted.at(point.check_point));
     }

@@ -41,16 +41,18 @@ inline constexpr int kHermiteStencil = 5;
 struct HermiteDataOptions {
   /// The number of nodes in a difference, kHermiteStencil or fewer.
   int most = kHermiteStencil;
-  /// If no more than `most` nodes stand in a row, a difference uses one node less than the row has.
+  /// Whether a difference uses one node less than its row has if no more than `most` nodes stand in
+  /// the row.
   bool fewer_in_short_rows = false;
   /// Whether third derivatives are used where they are known.
   bool third_derivatives = true;
-  /// If false, nodes that are not usable are zero, and no node hangs on a leaf with such a corner.
+  /// Whether extrapolated nodes are used. If not, they are zero, and no node hangs on a leaf with
+  /// such a corner.
   bool extrapolated_nodes = true;
 };
 
-/// What is kept of the data of a grid, so that the data of a grid that has grown from it are found
-/// without computing again what has not changed.
+/// The data of a grid that are kept so that, once the grid has grown, only data that have changed
+/// are computed again.
 struct HermiteMemory {
   /// D without and with inserted points, before hanging nodes take those of leaves [num_nodes].
   std::vector<HermiteNode> first;
@@ -67,8 +69,8 @@ struct HermiteBefore {
 };
 
 /// D [num_nodes]; all zero if no node is usable.
-/// @param before What is known from the grid before, with the same options; null: nothing. The data
-///   are the same to the bit.
+/// @param before What is known from the earlier grid, with the same options; null: nothing. It does
+///   not change the result by a bit.
 /// @param memory Receives what a grid that grows from this needs; null: none does.
 [[nodiscard]] std::vector<HermiteNode> hermite_data(
     const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,

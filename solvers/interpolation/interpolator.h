@@ -61,11 +61,12 @@ enum class Method : int {
 }
 
 struct InterpolationOptions {
-  /// RBF: a linear polynomial is added to the radial functions.
+  /// RBF: whether a linear polynomial is added to the radial functions.
   bool linear_polynomial = true;
-  /// RBF: intermediate states are centres too.
+  /// RBF: whether intermediate states are centres too.
   bool intermediate_states = true;
-  /// Energy Hermite and extrapolated nodes: third derivatives are used where they are known.
+  /// Energy Hermite and extrapolated nodes: whether third derivatives are used where they are
+  /// known.
   bool third_derivatives = true;
 };
 
@@ -103,10 +104,10 @@ class Interpolator {
     return grid_.leaf(at.leaf).cell.side * grid_.spacing();
   }
 
-  /// The interpolator of the same tool space with the same options after it has taken further
-  /// configurations. What it answers is the same, to the bit, as if it were made anew.
+  /// Makes the interpolator of the same tool space, with the same options, after configurations
+  /// were added to the space. Its answers are the same, to the bit, as if it were made anew.
   /// @param changed The check-points of these configurations.
-  /// @returns null: the method takes no less time to grow than to be made anew.
+  /// @returns null if growing takes this method no less time than making the interpolator anew.
   [[nodiscard]] virtual std::unique_ptr<Interpolator> grown(
       const TouchToolSpace& /*tool_space*/, const std::vector<CheckPoint>& /*changed*/) const {
     return nullptr;
@@ -128,7 +129,7 @@ class Interpolator {
 
  protected:
   explicit Interpolator(const TouchToolSpace& tool_space);
-  /// @param before The interpolator before the tool space has taken further configurations.
+  /// @param before The interpolator before configurations were added to the tool space.
   Interpolator(const Interpolator& before, const TouchToolSpace& tool_space,
                const std::vector<CheckPoint>& changed, CellTree::Growth& growth);
   void set_num_samples(std::size_t num) { num_samples_ = num; }
@@ -157,14 +158,14 @@ class Interpolator {
 };
 
 /// @throws InputError the tool space has no grid, see CheckPointGrid; its grid is sparse and the
-///   method is none of energy_hermite and trilinear; its grid is not uniform and the method needs
+///   method is neither energy_hermite nor trilinear; its grid is not uniform and the method needs
 ///   one (tricubic); it has no usable configuration at rest (linear); there is no such method.
 [[nodiscard]] std::unique_ptr<Interpolator> make_interpolator(
     Method method, const TouchToolSpace& tool_space, const InterpolationOptions& options = {});
 
-/// The same, for a tool space that has taken further configurations.
-/// @param before The interpolator before that, with the same method and options; null: there is
-///   none.
+/// Makes the interpolator of a tool space to which configurations were added.
+/// @param before The interpolator before they were added, with the same method and options; null:
+///   there is none.
 /// @param changed The check-points of these configurations.
 [[nodiscard]] std::unique_ptr<Interpolator> make_interpolator(
     Method method, const TouchToolSpace& tool_space, const InterpolationOptions& options,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The outcome of the solves on which an interpolated answer stands.
+// The outcome of the solves on which an interpolated answer is based.
 #pragma once
 
 #include <vector>

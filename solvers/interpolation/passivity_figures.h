@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Figures of how far the interpolated force of a tool space is from that of a passive body.
+// Figures that tell how far the interpolated force of a tool space is from that of a passive body.
 //
 // Energy Hermite gives the gradient of one continuous energy, so that a closed loop does no work
 // within a branch. Two errors are left. A leaf in which contact begins may attract the tool before

@@ -16,8 +16,8 @@ namespace {
 /// Centres nearer to each other than this, in spacings, are the same.
 constexpr double kSamePlace = 1e-6;
 
-/// Largest residual at the centres, as a share of the largest value, of a system that is not
-/// singular. With few centres in a plane, the polynomial is not determined.
+/// A system is not singular if its largest residual at the centres is at most this share of the
+/// largest value. With few centres in a plane, the polynomial is not determined.
 constexpr double kResidual = 1e-8;
 
 /// The components of the force, and the energy.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Radial basis functions [P08]: of the force, component by component, and of the energy,
+// Interpolation by radial basis functions [P08] of the force, component by component, and of the
+// energy,
 //
 //   f(x) = Σ w_i φ(|x − x_i|) + p(x),   φ(r) = r or r³,   Σ w_i q(x_i) = 0 for each q like p,
 //

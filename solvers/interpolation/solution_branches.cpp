@@ -18,7 +18,8 @@ namespace {
 /// border.
 constexpr double kOnBorder = 1e-9;
 
-/// A straight movement is followed in steps of this share of a cell's side, and in so many at most.
+/// A straight movement is followed in steps of this share of a cell's side, but in at most
+/// kMostSteps steps.
 constexpr double kStep = 0.5;
 constexpr double kMostSteps = 4096;
 
@@ -48,7 +49,7 @@ enum class Way { unknown, smooth, broken };
 Way way_between(const ConfigurationSummary& a, const ConfigurationSummary& b) {
   const std::int32_t there = reached(a, b);
   const std::int32_t back = reached(b, a);
-  // Nothing is touched beyond the force limit; a configuration there only bounds the cells before
+  // No configuration is reached from one beyond the force limit, which only bounds the cells before
   // it.
   if (!a.leads_on() || !b.leads_on()) {
     return there == b.level || back == a.level ? Way::smooth : Way::unknown;

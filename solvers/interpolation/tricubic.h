@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tricubic interpolation [P08, 4.1] of the force, component by component, and of the energy: the
+// Tricubic interpolation [P08, 4.1] of the force, component by component, and of the energy, by the
 // product of the cubic Lagrange polynomials through the 4 × 4 × 4 check-points around a cell. At
 // the border of the box these are the nearest four along an axis, or all three if there are only
 // three. Extrapolated nodes (extrapolated_node.h) are used as any other.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Trilinear interpolation [P08, 4.1]: of the force, component by component, and of the energy.
+// Trilinear interpolation [P08, 4.1] of the force, component by component, and of the energy.
 //
 // The stiffness is the exact gradient of the interpolated force, piecewise: it jumps at the sides
 // of a cell, and is not symmetrised. The interpolated force is not the gradient of an energy.

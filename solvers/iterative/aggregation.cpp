@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// A motion of which orthogonalisation leaves less than this share is linearly dependent.
+/// A motion is linearly dependent if orthogonalisation leaves less than this share of it.
 constexpr double kDependentMotion = 1e-8;
 /// The least number of rows of a part.
 constexpr Index kRowsOfPart = 128;

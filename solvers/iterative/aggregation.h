@@ -43,7 +43,7 @@ struct ByColumn {
 [[nodiscard]] ByColumn by_column(Index num_columns, const std::vector<Index>& start,
                                  const std::vector<Index>& column);
 
-/// All blocks of a matrix whose pattern has the lower triangle.
+/// All blocks of a matrix of which the lower triangle is stored.
 [[nodiscard]] BlockRows<3, 3> all_blocks(const BlockPattern& pattern,
                                          const Neighbourhoods& neighbours,
                                          const std::vector<double>& values);

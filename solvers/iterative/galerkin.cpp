@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// The corners that move a node, with the weight of each.
+/// The corners that move a node, and the weight of each corner.
 struct Parents {
   int count = 0;
   Index corner[2] = {-1, -1};
@@ -203,7 +203,7 @@ class GalerkinSum {
   Index first_;
   Index last_;
   std::vector<double>& values_;
-  /// For each of the two marked corners, the index of its block with each corner; −1: they are no
+  /// For each of the two marked corners, the index of its block with each corner; −1: they are not
   /// neighbours.
   std::vector<Index> place_[2];
 };

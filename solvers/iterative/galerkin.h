@@ -12,7 +12,7 @@
 namespace palpate {
 
 /// @throws InputError the levels do not belong to this pattern: a parent does not exist, or two
-///   parents are no neighbours although children of theirs are.
+///   parents are not neighbours although children of theirs are.
 void check(const NodeLevels& levels, const BlockPattern& pattern);
 
 /// The pattern of PᵀKP: corners are neighbours if they are neighbours among all nodes.

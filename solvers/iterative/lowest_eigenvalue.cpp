@@ -18,11 +18,11 @@ namespace palpate {
 namespace {
 
 constexpr int kVectors = 3;
-/// A direction of the basis of which orthogonalisation leaves less than this share is rounding.
+/// A direction of the basis is rounding if orthogonalisation leaves less than this share of it.
 constexpr double kDependent = 1e-10;
 /// A value below minus this share of the largest stiffness is negative, and not rounding.
 constexpr double kEigenvalueRounding = 1e-14;
-/// The probability that a negative mode is missed, about.
+/// The approximate probability that a negative mode is missed.
 constexpr double kChance = 1e-3;
 
 /// Aᵀ B.
@@ -109,7 +109,7 @@ Eigen::MatrixXd noise(Index num_nodes) {
 /// curvature.
 struct Search {
   Eigen::VectorXd vector;
-  /// There is no negative mode.
+  /// Whether there is no negative mode.
   bool is_definite = false;
 };
 

@@ -10,14 +10,14 @@
 // is about rᵀMr / xᵀx with r = Kx − λx. If M is far from K⁻¹, as in thin bodies, this estimate says
 // little.
 //
-// So conjugate gradients for a noise b of ±1 are run first, to find out that no eigenvalue is
-// negative. Along a mode z of Kz = θM⁻¹z they leave p(θ) times the share of b. If all their
-// directions had positive curvature, p(θ) = Π(1 − θ/θ_i) with θ_i > 0, which is at least 1 for θ <
-// 0. So if the residual falls to t|b| without negative curvature, no mode is negative, except for
-// modes of which b had less than t|b|: for n unknowns the probability of that is about 0.8 t √n (a
-// similar result: Kuczyński & Woźniakowski, Estimating the largest eigenvalue by the power and
-// Lanczos algorithms with a random start, SIAM J. Matrix Anal. Appl. 13, 1992). Their solution
-// K⁻¹b, or the direction of negative curvature, is one of the three initial vectors.
+// So conjugate gradients for a noise b of ±1 are run first, to verify that no eigenvalue is
+// negative. Along a mode z of Kz = θM⁻¹z the residual that they leave is p(θ) times the share of b.
+// If all their directions had positive curvature, p(θ) = Π(1 − θ/θ_i) with θ_i > 0, which is at
+// least 1 for θ < 0. So if the residual falls to t|b| without negative curvature, no mode is
+// negative, except for modes of which b had less than t|b|: for n unknowns the probability of that
+// is about 0.8 t √n (a similar result: Kuczyński & Woźniakowski, Estimating the largest eigenvalue
+// by the power and Lanczos algorithms with a random start, SIAM J. Matrix Anal. Appl. 13, 1992).
+// Their solution K⁻¹b, or the direction of negative curvature, is one of the three initial vectors.
 #pragma once
 
 #include <limits>
@@ -84,7 +84,7 @@ struct Inertia {
   double lowest_eigenvalue = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What is known of the inertia without a factor.
+/// Tells what is known of the inertia without a factor.
 /// @param setup The report of a preconditioner for this matrix, if one was tried.
 [[nodiscard]] Inertia inertia_of(const LowestEigenvalue& lowest, const SetupReport& setup = {});
 

@@ -3,7 +3,7 @@
 // from the values of the assembly without a copy.
 //
 // Conjugate gradients need a positive definite matrix. When they find a direction w of negative
-// curvature c = wᵀKw, its sign is turned: with q = Kw,
+// curvature c = wᵀKw, the sign of this curvature is turned: with q = Kw,
 //
 //   K' = K − 2 q qᵀ / c,   wᵀK'w = −c,   K' y = K y for each y with wᵀK y = 0
 //   K' x' = b   ⇒   K (x' + 2 w (wᵀb) / c) = b
@@ -33,7 +33,7 @@ class Operator {
   /// The largest value on the diagonal; the rounding of products is a share of it.
   [[nodiscard]] double largest_diagonal() const { return largest_diagonal_; }
 
-  /// No value is infinite or NaN.
+  /// Whether no value is infinite or NaN.
   [[nodiscard]] bool is_finite() const { return is_finite_; }
 
   /// Turns the sign of a direction whose curvature is negative; products are K' x from then on. The

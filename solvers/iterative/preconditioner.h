@@ -4,9 +4,9 @@
 // A body of Tet10 has two levels: all nodes, and the corners, with the stiffness PᵀKP of linear
 // elements (assembly/node_levels.h). The fine level is smoothed (smoother.h). The coarse level is
 // solved by a factor, or by a cycle of smoothed aggregation (smoothed_aggregation.h), whose memory
-// and time are proportional to the size of the body. A body of Tet4 has only the latter. All of
-// this is in single precision; the residual is scaled to norm one before, so that the last
-// iterations are as accurate as the first ones.
+// and time are proportional to the size of the body. A body of Tet4 has only the coarse level,
+// which is then all its nodes. All of this is in single precision; the residual is scaled to norm
+// one before, so that the last iterations are as accurate as the first ones.
 #pragma once
 
 #include <memory>
@@ -34,7 +34,7 @@ class Preconditioner {
     is_ready_ = is_ready_ || report.status == SetupStatus::ok;
     return report;
   }
-  /// Whether a refresh has succeeded. Before, no other function may be called.
+  /// Whether a refresh has succeeded. Before that, no other function may be called.
   [[nodiscard]] bool is_ready() const { return is_ready_; }
   /// Allocates vectors for this number of columns, 1 or 3.
   virtual void reserve(int columns) = 0;

@@ -23,8 +23,8 @@ enum class SetupStatus {
 
 struct SetupReport {
   SetupStatus status = SetupStatus::ok;
-  /// The first node whose block is not positive definite, −1: there is none; and the number of such
-  /// nodes.
+  /// The first node whose block is not positive definite (−1: there is none), and the number of
+  /// such nodes.
   Index node = -1;
   Index num_indefinite_blocks = 0;
   /// A lower bound for the number of negative eigenvalues: the number on a coarser level (Cauchy's

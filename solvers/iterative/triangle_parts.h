@@ -19,9 +19,9 @@ struct TriangleParts {
   Ranges nodes{0, kNodesOfPart};
   /// 1 for a late node, else 0 [num_nodes]; empty: there is one part.
   std::vector<char> is_late;
-  /// For each node that is coupled to one behind its part, in the order of a pass, and for each of
-  /// its blocks: the index of the sum to which it adds, that of the neighbour or an entry of the
-  /// part.
+  /// For each node that is coupled to one behind its part, in the order of a pass, and for each
+  /// block of this node: the index of the sum to which the block adds. It is the sum of the
+  /// neighbour or an entry of the part.
   std::vector<Index> sum;
   /// Where the nodes of each part begin in `sum` [num_parts + 1].
   std::vector<Index> first_sum;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a library of direct solvers does for DirectSolver: it factorises a matrix whose rows are all
-// of order one, and does not judge whether it is singular.
+// The part of a direct solver that is left to a library. It factorises a matrix whose rows are all
+// of order one, and does not judge whether the matrix is singular.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,7 +31,7 @@ class Backend {
   [[nodiscard]] virtual std::unique_ptr<Backend> in_single_precision() const { return nullptr; }
 
   struct Pivots {
-    /// The least and the greatest magnitude of a pivot. A least one of zero: there is no factor.
+    /// The least and the greatest magnitude of a pivot. If the least is zero, there is no factor.
     double least = 0;
     double greatest = 0;
     int negative = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all direct solvers have in common: the scaling, and the decision whether a matrix is
-// singular.
+// The part that all direct solvers have in common: the scaling, and the decision whether a matrix
+// is singular.
 #pragma once
 
 #include <memory>
@@ -35,7 +35,7 @@ class DirectSolver final : public LinearSolver {
   [[nodiscard]] Backend& used() const { return is_single_ ? *single_ : *backend_; }
 
   std::unique_ptr<Backend> backend_;
-  /// Created on demand; null: there is none.
+  /// The backend in single precision, which is made on demand; null: there is none.
   std::unique_ptr<Backend> single_;
   bool is_single_ = false;
   std::shared_ptr<const SymmetricPattern> pattern_;

@@ -25,8 +25,9 @@ enum class FactorStatus {
 
 enum class Precision {
   full,
-  /// Single precision is used if the matrix is far from singular. Solutions have an error of 1e-6
-  /// times the condition number, which is enough for a preconditioner, for two thirds of the time.
+  /// Single precision is used if the matrix is far from singular. Factors take two thirds of the
+  /// time, and solutions have an error of 1e-6 times the condition number, which is enough for a
+  /// preconditioner.
   single_if_safe,
 };
 
@@ -39,7 +40,7 @@ class LinearSolver {
   LinearSolver(const LinearSolver&) = delete;
   LinearSolver& operator=(const LinearSolver&) = delete;
 
-  /// "MUMPS", "Eigen LDLT".
+  /// The name of the solver: "MUMPS" or "Eigen LDLT".
   [[nodiscard]] virtual const char* name() const = 0;
 
   /// Whether the solver takes 1×1 and 2×2 pivots as the values require, which makes it robust for

@@ -83,11 +83,11 @@ class MumpsBackend final : public Backend {
     icntl(7) = 1;    // the order is given
     icntl(6) = 0;    // no permutation by values: they are not known at the analysis
     icntl(8) = 0;    // no scaling: the matrix comes scaled
-    icntl(10) = 0;   // no iterative refinement: Newton is one
+    icntl(10) = 0;   // no iterative refinement: Newton steps refine
     icntl(12) = 1;   // usual ordering of a symmetric matrix
     icntl(13) = 1;   // the root is factorised by one process: inertia is exact
     icntl(14) = 30;  // workspace beyond the estimate, %
-    icntl(24) = 0;   // small pivots are not replaced: whoever calls judges them
+    icntl(24) = 0;   // small pivots are not replaced: the caller judges them
   }
 
   ~MumpsBackend() override { team_->run(kTerminate, instance_, mumps_); }

@@ -83,12 +83,12 @@ void MumpsTeam::serve() {
       fresh.comm_fortran = static_cast<MUMPS_INT>(MPI_Comm_c2f(comm_));
     }
     auto& mumps = instances.at(order.instance);
-    if (order.job != kInitialise) {  // which sets the defaults
+    if (order.job != kInitialise) {  // initialisation sets the defaults
       std::copy(std::begin(order.icntl), std::end(order.icntl), mumps.icntl);
       std::copy(std::begin(order.cntl), std::end(order.cntl), mumps.cntl);
     }
     mumps.job = order.job;
-    call_mumps(mumps);  // rank 0 hears of an error
+    call_mumps(mumps);  // MUMPS reports an error to rank 0
     if (order.job == kTerminate) instances.erase(order.instance);
   };
   for (Order order = receive(); !order.release; order = receive()) {

@@ -50,7 +50,7 @@ class MumpsTeam {
   int num_instances_ = 0;
 };
 
-/// As make_mumps_backend(), for rank 0 of a team.
+/// Makes a backend as make_mumps_backend() does, for rank 0 of a team.
 [[nodiscard]] std::unique_ptr<Backend> make_mumps_backend(std::shared_ptr<MumpsTeam> team);
 
 }  // namespace palpate
