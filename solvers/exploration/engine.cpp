@@ -596,8 +596,16 @@ std::vector<IntermediateState> Engine::make_way(const Batch& batch,
   return way;
 }
 
+bool Engine::needs_solve(const Batch& batch) const {
+  return batch.has_start() && batch.state == nullptr &&
+         record_.kept(batch.tool_space, batch.start) < Keep::all;
+}
+
 Bytes Engine::give() {
   Packer message;
+  // Another rank asks while a transition is being made here: there cannot be a solve within a
+  // solve.
+  if (current_ && queue_.size() > 0 && needs_solve(queue_.last())) return {};
   // Whole batches are given while there is more than one; of a single batch, half of its targets.
   const std::size_t num_batches = queue_.size();
   if (num_batches > (current_ ? 0 : 1)) {

@@ -167,6 +167,8 @@ class Engine final : public Worker {
   /// was kept, the equilibrium is solved for again; if it is not found again, its outcome says so
   /// and the transitions from it fail.
   void load_state(Batch& batch);
+  /// Whether load_state() would solve for the state of a batch.
+  [[nodiscard]] bool needs_solve(const Batch& batch) const;
   [[nodiscard]] const PlannedSpace& space(ToolSpaceKey tool_space) const {
     return find_space(spaces_, tool_space);
   }

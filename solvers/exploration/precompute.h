@@ -20,8 +20,8 @@ namespace palpate {
 /// @throws InputError as precompute() does.
 /// @note Collective
 [[nodiscard]] std::unique_ptr<ExplorationSession> begin_exploration(
-    std::vector<BodyOfRun> bodies, const PrecomputeOptions& options, Communicator& communicator,
-    const Progress& progress, TakeChunk take_chunk = {});
+    const std::vector<BodyOfRun>& bodies, const PrecomputeOptions& options,
+    Communicator& communicator, const Progress& progress, TakeChunk take_chunk = {});
 
 /// Computes the space of the rigid tool and of the active nodes that are named.
 /// @param bodies The same on every rank, see ExplorationSession.
