@@ -168,7 +168,7 @@ vtkPalpateSolveDynamics::vtkPalpateSolveDynamics()
   , LastRun(std::make_unique<vtkPalpateKeptRun<Run>>())
 {
   this->SetNumberOfInputPorts(NumberOfInputs);
-  this->SetNumberOfOutputPorts(NumberOfOutputs);
+  this->SetNumberOfOutputPorts(vtkPalpateKeptRun<Run>::NumberOfOutputs);
 }
 
 vtkPalpateSolveDynamics::~vtkPalpateSolveDynamics() = default;
@@ -211,12 +211,7 @@ int vtkPalpateSolveDynamics::FillInputPortInformation(int port, vtkInformation* 
 
 int vtkPalpateSolveDynamics::FillOutputPortInformation(int port, vtkInformation* info)
 {
-  if (port == HistoryPort)
-  {
-    info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkTable");
-    return 1;
-  }
-  return this->Superclass::FillOutputPortInformation(port, info);
+  return vtkPalpateKeptRun<Run>::FillOutputPortInformation(port, info);
 }
 
 std::vector<double> vtkPalpateSolveDynamics::FrameTimes() const
@@ -238,36 +233,18 @@ void vtkPalpateSolveDynamics::CheckProperties() const
 int vtkPalpateSolveDynamics::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
-  vtkPalpateSetTimes(this->FrameTimes(), outputVector->GetInformationObject(MotionPort));
-  // The table is that of the whole run at each of them.
-  vtkPalpateSetTimes({}, outputVector->GetInformationObject(HistoryPort));
-  return 1;
+  return vtkPalpateKeptRun<Run>::RequestInformation(this->FrameTimes(), outputVector);
 }
 
 int vtkPalpateSolveDynamics::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  auto* output = vtkUnstructuredGrid::GetData(outputVector, MotionPort);
-  auto* history = vtkTable::GetData(outputVector, HistoryPort);
-  const double time = vtkPalpateAskedTime(request, outputVector);
-  const vtkMTimeType inputTime = vtkPalpateInputTime(inputVector, NumberOfInputs);
-  const auto now = [&] { return std::max(inputTime, this->GetMTime()); };
-  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  this->ErrorCode = vtkPalpateProduce(this, output, controller,
-    [&](palpate::Communicator& communicator)
-    {
-      const auto compute = [&]
-      {
-        // A request that ended the run before is not for this one, and nobody else takes it back.
-        this->SetAbortExecute(0);
-        return this->Compute(inputVector, communicator, output);
-      };
-      const Run* run = this->LastRun->Update(communicator, output, now, compute);
-      if (run && run->Body)
-      {
-        this->Show(*run, time, output, history);
-      }
-    });
+  this->ErrorCode = this->LastRun->RequestData(
+    this, request, inputVector, outputVector,
+    [&](palpate::Communicator& communicator, vtkUnstructuredGrid* output)
+    { return this->Compute(inputVector, communicator, output); },
+    [this](const Run& run, double time, vtkUnstructuredGrid* output, vtkTable* history)
+    { this->Show(run, time, output, history); });
   return 1;
 }
 

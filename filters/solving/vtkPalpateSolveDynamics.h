@@ -180,13 +180,6 @@ private:
   vtkPalpateSolveDynamics(const vtkPalpateSolveDynamics&) = delete;
   void operator=(const vtkPalpateSolveDynamics&) = delete;
 
-  enum OutputPort
-  {
-    MotionPort,
-    HistoryPort,
-    NumberOfOutputs
-  };
-
   /// What is simulated, on rank 0.
   struct Setup;
   /// What came of it.

@@ -10,10 +10,8 @@
 #include "dynamics/tool_path.h"
 #include "reduced/reduced_body.h"
 #include "vtkInformation.h"
-#include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
-#include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFields.h"
 #include "vtkPalpateFrameTimes.h"
@@ -105,7 +103,7 @@ vtkPalpateSimulateTouch::vtkPalpateSimulateTouch()
   : LastRun(std::make_unique<vtkPalpateKeptRun<Run>>())
 {
   this->SetNumberOfInputPorts(NumberOfInputs);
-  this->SetNumberOfOutputPorts(NumberOfOutputs);
+  this->SetNumberOfOutputPorts(vtkPalpateKeptRun<Run>::NumberOfOutputs);
 }
 
 vtkPalpateSimulateTouch::~vtkPalpateSimulateTouch() = default;
@@ -123,58 +121,36 @@ int vtkPalpateSimulateTouch::FillInputPortInformation(int port, vtkInformation* 
 
 int vtkPalpateSimulateTouch::FillOutputPortInformation(int port, vtkInformation* info)
 {
-  if (port == HistoryPort)
-  {
-    info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkTable");
-    return 1;
-  }
-  return this->Superclass::FillOutputPortInformation(port, info);
+  return vtkPalpateKeptRun<Run>::FillOutputPortInformation(port, info);
 }
 
 int vtkPalpateSimulateTouch::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
-  vtkPalpateSetTimes(vtkPalpateFrameTimes(this->EndTime, this->FrameRate),
-    outputVector->GetInformationObject(MotionPort));
-  // The table is that of the whole run at each of them.
-  vtkPalpateSetTimes({}, outputVector->GetInformationObject(HistoryPort));
-  return 1;
+  return vtkPalpateKeptRun<Run>::RequestInformation(
+    vtkPalpateFrameTimes(this->EndTime, this->FrameRate), outputVector);
 }
 
 int vtkPalpateSimulateTouch::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  auto* output = vtkUnstructuredGrid::GetData(outputVector, MotionPort);
-  auto* history = vtkTable::GetData(outputVector, HistoryPort);
-  const double time = vtkPalpateAskedTime(request, outputVector);
-  const vtkMTimeType inputTime = vtkPalpateInputTime(inputVector, NumberOfInputs);
-  const auto now = [&] { return std::max(inputTime, this->GetMTime()); };
-  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  this->ErrorCode = vtkPalpateProduce(this, output, controller,
-    [&](palpate::Communicator& communicator)
+  const auto compute = [&](palpate::Communicator&, vtkUnstructuredGrid* output)
+  {
+    vtkPalpateCheckTimes(this->EndTime, this->FrameRate, this->TimeStep);
+    auto run = std::make_unique<Run>();
+    const auto body =
+      vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputVector[BodyPort]),
+        vtkMultiProcessController::GetGlobalController());
+    if (body && !vtkPalpatePassFailure(body, output))
     {
-      const auto compute = [&]
-      {
-        // A request that has ended an earlier run is not meant for this one, and nobody else resets
-        // it.
-        this->SetAbortExecute(0);
-        vtkPalpateCheckTimes(this->EndTime, this->FrameRate, this->TimeStep);
-        auto run = std::make_unique<Run>();
-        const auto body = vtkPalpateGatherBody(
-          vtkPalpateInput<vtkUnstructuredGrid>(inputVector[BodyPort]), controller);
-        if (body && !vtkPalpatePassFailure(body, output))
-        {
-          palpate::with_memory("to simulate the touch",
-            [&] { this->Simulate(body, vtkPalpateInput<vtkTable>(inputVector[PathPort]), *run); });
-        }
-        return run;
-      };
-      const Run* run = this->LastRun->Update(communicator, output, now, compute);
-      if (run && run->Body)
-      {
-        this->Show(*run, time, output, history);
-      }
-    });
+      palpate::with_memory("to simulate the touch",
+        [&] { this->Simulate(body, vtkPalpateInput<vtkTable>(inputVector[PathPort]), *run); });
+    }
+    return run;
+  };
+  this->ErrorCode = this->LastRun->RequestData(this, request, inputVector, outputVector, compute,
+    [this](const Run& run, double time, vtkUnstructuredGrid* output, vtkTable* history)
+    { this->Show(run, time, output, history); });
   return 1;
 }
 

@@ -65,13 +65,6 @@ private:
   vtkPalpateSimulateTouch(const vtkPalpateSimulateTouch&) = delete;
   void operator=(const vtkPalpateSimulateTouch&) = delete;
 
-  enum OutputPort
-  {
-    MotionPort,
-    HistoryPort,
-    NumberOfOutputs
-  };
-
   /// The simulated motion, on the rank that has the body.
   struct Run;
 
