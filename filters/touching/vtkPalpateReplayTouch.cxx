@@ -31,13 +31,13 @@
 #include "vtkPalpateShownTool.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPalpateTouchStateSpace.h"
+#include "vtkPalpateTouchedSurface.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStringArray.h"
 #include "vtkTable.h"
-#include "vtkTriangleMeshPointNormals.h"
 
 namespace
 {
@@ -427,11 +427,7 @@ private:
       const Vec3 place = Vec3(output->GetPoint(p)) + Vec3(displacement->GetTuple3(p));
       output->GetPoints()->SetPoint(p, place.data());
     }
-    output->GetPointData()->SetVectors(displacement);
-    vtkNew<vtkTriangleMeshPointNormals> normals;
-    normals->SetInputData(output);
-    normals->Update();
-    output->GetPointData()->SetNormals(normals->GetOutput()->GetPointData()->GetNormals());
+    vtkPalpateAddDisplacement(displacement, output);
     if (this->HasRigidTool && frame.Contact != Pressing)
     {
       vtkNew<vtkDoubleArray> pressure;
@@ -440,7 +436,6 @@ private:
       pressure->Fill(0);
       output->GetPointData()->AddArray(pressure);
     }
-    output->GetPointData()->SetActiveScalars(displacement->GetName());
   }
 };
 

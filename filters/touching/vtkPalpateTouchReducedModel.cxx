@@ -10,7 +10,6 @@
 #include "schedule/communicator.h"
 #include "state_space/surface.h"
 #include "vtkCellArray.h"
-#include "vtkFloatArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
@@ -22,11 +21,9 @@
 #include "vtkPalpateInput.h"
 #include "vtkPalpateReducedModel.h"
 #include "vtkPalpateScene.h"
+#include "vtkPalpateTouchedSurface.h"
 #include "vtkPalpateWholeBody.h"
-#include "vtkPointData.h"
-#include "vtkPoints.h"
 #include "vtkPolyData.h"
-#include "vtkTriangleMeshPointNormals.h"
 #include "vtkUnstructuredGrid.h"
 
 struct vtkPalpateTouchReducedModel::Prepared
@@ -140,29 +137,9 @@ void vtkPalpateTouchReducedModel::Show(vtkPolyData* output) const
       ". Give all of them, or none for the body at rest.");
   }
   std::copy(this->Coordinates.begin(), this->Coordinates.end(), y.begin());
-  const Eigen::Index numPoints = prepared.Surface.num_points();
-  vtkNew<vtkFloatArray> displacement;
-  displacement->SetName(vtkPalpateArray::Displacement);
-  displacement->SetNumberOfComponents(3);
-  displacement->SetNumberOfTuples(numPoints);
-  Eigen::Map<Eigen::VectorXf> u(displacement->GetPointer(0), 3 * numPoints);
-  u = prepared.Rest;
+  Eigen::VectorXf u = prepared.Rest;
   u.noalias() += prepared.Basis * y;
-  vtkNew<vtkPoints> points;
-  points->SetNumberOfPoints(numPoints);
-  for (Eigen::Index p = 0; p < numPoints; ++p)
-  {
-    const palpate::Vec3& x = prepared.Surface.points[static_cast<std::size_t>(p)];
-    points->SetPoint(p, x[0] + u[3 * p], x[1] + u[3 * p + 1], x[2] + u[3 * p + 2]);
-  }
-  output->SetPoints(points);
-  output->SetPolys(prepared.Triangles);
-  output->GetPointData()->SetVectors(displacement);
-  vtkNew<vtkTriangleMeshPointNormals> normals;
-  normals->SetInputData(output);
-  normals->Update();
-  output->GetPointData()->SetNormals(normals->GetOutput()->GetPointData()->GetNormals());
-  output->GetPointData()->SetActiveScalars(displacement->GetName());
+  vtkPalpateShowDisplaced(prepared.Surface, prepared.Triangles, u, output);
 }
 
 void vtkPalpateTouchReducedModel::PrintSelf(ostream& os, vtkIndent indent)

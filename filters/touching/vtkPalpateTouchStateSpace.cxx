@@ -23,7 +23,6 @@
 #include "vtkDoubleArray.h"
 #include "vtkErrorCode.h"
 #include "vtkFieldData.h"
-#include "vtkFloatArray.h"
 #include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
 #include "vtkIntArray.h"
@@ -36,11 +35,11 @@
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPalpateStress.h"
+#include "vtkPalpateTouchedSurface.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
-#include "vtkTriangleMeshPointNormals.h"
 #include "vtkUnstructuredGrid.h"
 
 namespace
@@ -483,26 +482,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
       u.segment<3>(3 * p) = this->Cache->Whole->Displacement.segment<3>(3 * point).cast<float>();
     }
   }
-  vtkNew<vtkFloatArray> displacement;
-  displacement->SetName("Displacement");
-  displacement->SetNumberOfComponents(3);
-  displacement->SetNumberOfTuples(surface.num_points());
-  std::copy(u.begin(), u.end(), displacement->GetPointer(0));
-  vtkNew<vtkPoints> points;
-  points->SetNumberOfPoints(surface.num_points());
-  for (palpate::Index p = 0; p < surface.num_points(); ++p)
-  {
-    const palpate::Vec3& x = surface.points[p];
-    points->SetPoint(p, x[0] + u[3 * p], x[1] + u[3 * p + 1], x[2] + u[3 * p + 2]);
-  }
-  output->SetPoints(points);
-  output->SetPolys(this->Cache->Triangles);
-  output->GetPointData()->SetVectors(displacement);
-  vtkNew<vtkTriangleMeshPointNormals> normals;
-  normals->SetInputData(output);
-  normals->Update();
-  output->GetPointData()->SetNormals(normals->GetOutput()->GetPointData()->GetNormals());
-  output->GetPointData()->SetActiveScalars(displacement->GetName());
+  vtkPalpateShowDisplaced(surface, this->Cache->Triangles, u, output);
 
   AddVector(output, "Force", 3, touch.force.data());
   AddVector(output, "Stiffness", 9, touch.stiffness.data());
