@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "base/memory_error.h"
@@ -13,28 +12,19 @@
 #include "interaction/mesh_error.h"
 #include "interaction/rigid_tool.h"
 #include "interaction/tool_clearance.h"
-#include "linear/group.h"
 #include "vtkInformation.h"
-#include "vtkInformationVector.h"
-#include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateActiveNodes.h"
-#include "vtkPalpateCommunicator.h"
-#include "vtkPalpateFailure.h"
 #include "vtkPalpateFields.h"
 #include "vtkPalpateFrameTimes.h"
 #include "vtkPalpateFrames.h"
 #include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateKeptRun.h"
-#include "vtkPalpateLinearSolver.h"
 #include "vtkPalpateProgress.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateToolPath.h"
-#include "vtkPalpateWholeBody.h"
-#include "vtkPalpateWholeSurface.h"
 #include "vtkPointData.h"
-#include "vtkPolyData.h"
 #include "vtkTable.h"
 #include "vtkUnstructuredGrid.h"
 
@@ -44,13 +34,6 @@ using palpate::DynamicState;
 using palpate::InputError;
 using palpate::NodalVector;
 
-enum InputPort
-{
-  BodyPort,
-  SurfacePort,
-  PathPort,
-  NumberOfInputs
-};
 /// The displacement between two states, by a cubic that has their velocities too.
 NodalVector Between(const palpate::BodyMotion& from, const palpate::BodyMotion& to, double time)
 {
@@ -164,48 +147,23 @@ struct vtkPalpateSolveDynamics::Run
 vtkStandardNewMacro(vtkPalpateSolveDynamics);
 
 vtkPalpateSolveDynamics::vtkPalpateSolveDynamics()
-  : LinearSolverNames(vtkPalpateLinearSolverNames())
-  , LastRun(std::make_unique<vtkPalpateKeptRun<Run>>())
+  : LastRun(std::make_unique<vtkPalpateKeptRun<Run>>())
 {
-  this->SetNumberOfInputPorts(NumberOfInputs);
+  this->Tolerance = 1e-8;
+  this->SetNumberOfInputPorts(NumberOfInputs + 1);
   this->SetNumberOfOutputPorts(vtkPalpateKeptRun<Run>::NumberOfOutputs);
 }
 
 vtkPalpateSolveDynamics::~vtkPalpateSolveDynamics() = default;
 
-void vtkPalpateSolveDynamics::AddActiveNode(vtkIdType node)
-{
-  this->ActiveNodes.push_back(node);
-  this->Modified();
-}
-
-void vtkPalpateSolveDynamics::ClearActiveNodes()
-{
-  this->ActiveNodes.clear();
-  this->Modified();
-}
-
-vtkStringArray* vtkPalpateSolveDynamics::GetLinearSolverNames()
-{
-  return this->LinearSolverNames;
-}
-
-vtkMTimeType vtkPalpateSolveDynamics::GetMTime()
-{
-  const vtkMTimeType own = this->Superclass::GetMTime();
-  return this->Tool ? std::max(own, this->Tool->GetMTime()) : own;
-}
-
 int vtkPalpateSolveDynamics::FillInputPortInformation(int port, vtkInformation* info)
 {
-  vtkPalpateTakeWhole(info,
-    port == BodyPort     ? "vtkUnstructuredGrid"
-      : port == PathPort ? "vtkTable"
-                         : "vtkPolyData");
-  if (port != BodyPort)
+  if (port != PathPort)
   {
-    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+    return this->Superclass::FillInputPortInformation(port, info);
   }
+  vtkPalpateTakeWhole(info, "vtkTable");
+  info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
   return 1;
 }
 
@@ -251,57 +209,25 @@ int vtkPalpateSolveDynamics::RequestData(
 std::unique_ptr<vtkPalpateSolveDynamics::Run> vtkPalpateSolveDynamics::Compute(
   vtkInformationVector** inputs, palpate::Communicator& communicator, vtkUnstructuredGrid* output)
 {
-  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  // On rank 0 alone.
-  vtkSmartPointer<vtkUnstructuredGrid> body;
-  std::optional<Setup> setup;
-  palpate::agree(communicator,
-    [&]
-    {
-      this->CheckProperties();
-      body =
-        vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputs[BodyPort]), controller);
-      const auto surface = this->Tool && this->Tool->HasShapeOfSurface()
-        ? vtkPalpateGatherSurface(vtkPalpateInput<vtkPolyData>(inputs[SurfacePort]), controller)
-        : nullptr;
-      if (!body || vtkPalpatePassFailure(body, output))
-      {
-        return;
-      }
-      setup = this->MakeSetup(body, vtkPalpateInput<vtkTable>(inputs[PathPort]), surface);
-    });
-
-  const bool together = palpate::any(communicator,
-    setup &&
-      vtkPalpateSolvesTogether(
-        this->LinearSolver, this->GroupUnknowns, setup->Scene, communicator.size()));
-  const int threads = palpate::num_threads(communicator, this->Threads);
-  const void* comm = together ? vtkPalpateMpiComm(controller) : nullptr;
-  palpate::agree(communicator,
-    [&]
-    {
-      if (together)
-      {
-        palpate::prepare_group_solver();
-      }
-    });
+  this->CheckProperties();
   auto run = std::make_unique<Run>();
-  if (setup)
+  Setup setup;
+  const auto setUp = [&](vtkUnstructuredGrid* body, vtkPolyData* surface) -> const palpate::Scene&
   {
-    auto linearSolver = together
-      ? palpate::make_group_solver(comm)
-      : vtkPalpateMakeLinearSolver(this->LinearSolver, setup->Scene, threads);
+    setup = this->MakeSetup(body, vtkPalpateInput<vtkTable>(inputs[PathPort]), surface);
+    return setup.Scene;
+  };
+  const auto solve =
+    [&](vtkUnstructuredGrid* body, std::unique_ptr<palpate::LinearSolver> linearSolver, int threads)
+  {
     run->Body = body;
-    run->Contacts = setup->Contacts;
-    run->ContactModulus = setup->Contacts.empty() ? 0 : palpate::mean_contact_modulus(setup->Scene);
-    run->Order = setup->Scene.body.mesh.order;
+    run->Contacts = setup.Contacts;
+    run->ContactModulus = setup.Contacts.empty() ? 0 : palpate::mean_contact_modulus(setup.Scene);
+    run->Order = setup.Scene.body.mesh.order;
     palpate::with_memory("to solve for the motion of the body",
-      [&] { this->Simulate(*setup, std::move(linearSolver), threads, *run); });
-  }
-  else if (together)
-  {
-    palpate::serve_group_solver(comm);
-  }
+      [&] { this->Simulate(setup, std::move(linearSolver), threads, *run); });
+  };
+  this->SolveOnRanks(inputs, communicator, output, setUp, solve);
   return run;
 }
 
@@ -472,27 +398,12 @@ void vtkPalpateSolveDynamics::Show(
 void vtkPalpateSolveDynamics::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "ActiveNodes:";
-  for (const vtkIdType node : this->ActiveNodes)
-  {
-    os << ' ' << node;
-  }
-  os << '\n' << indent << "TipRadius: " << this->TipRadius << " m\n";
-  vtkPalpatePrintTool(os, indent, this->Tool);
-  os << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
-     << this->BodyForce[2] << " m/s^2\n"
-     << indent << "Settled: " << this->Settled << '\n'
+  os << indent << "Settled: " << this->Settled << '\n'
      << indent << "EndTime: " << this->EndTime << " s\n"
      << indent << "FrameRate: " << this->FrameRate << " 1/s\n"
      << indent << "Integrator: " << this->Integrator << '\n'
      << indent << "SpectralRadius: " << this->SpectralRadius << '\n'
      << indent << "TimeStep: " << this->TimeStep << " s\n"
      << indent << "StepTolerance: " << this->StepTolerance << '\n'
-     << indent << "MaximumHalvings: " << this->MaximumHalvings << '\n'
-     << indent << "Tolerance: " << this->Tolerance << '\n'
-     << indent << "MaximumIterations: " << this->MaximumIterations << '\n'
-     << indent << "MaximumSeconds: " << this->MaximumSeconds << " s\n"
-     << indent << "Threads: " << this->Threads << '\n'
-     << indent << "GroupUnknowns: " << this->GroupUnknowns << '\n'
-     << indent << "LinearSolver: " << this->LinearSolver << '\n';
+     << indent << "MaximumHalvings: " << this->MaximumHalvings << '\n';
 }

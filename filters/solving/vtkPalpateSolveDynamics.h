@@ -42,55 +42,22 @@
 #pragma once
 
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "PalpateSolvingModule.h"
-#include "vtkPalpateTool.h"
-#include "vtkSmartPointer.h"
-#include "vtkUnstructuredGridAlgorithm.h"
+#include "vtkPalpateSolve.h"
 
-class vtkPolyData;
-class vtkStringArray;
 class vtkTable;
 template <class Run>
 class vtkPalpateKeptRun;
 
-namespace palpate
-{
-class Communicator;
-class LinearSolver;
-struct DynamicState;
-}
-
-class PALPATESOLVING_EXPORT vtkPalpateSolveDynamics : public vtkUnstructuredGridAlgorithm
+class PALPATESOLVING_EXPORT vtkPalpateSolveDynamics : public vtkPalpateSolve
 {
 public:
   static vtkPalpateSolveDynamics* New();
-  vtkTypeMacro(vtkPalpateSolveDynamics, vtkUnstructuredGridAlgorithm);
+  vtkTypeMacro(vtkPalpateSolveDynamics, vtkPalpateSolve);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
-  /// Ids of the points of the input that tools are bonded to: on the surface and not fixed.
-  void AddActiveNode(vtkIdType node);
-  void ClearActiveNodes();
-  ///@}
-  ///@{
-  /// The points of the connected patch of the surface within this distance of an active node move
-  /// with it, m; 0: the node alone.
-  vtkSetMacro(TipRadius, double);
-  vtkGetMacro(TipRadius, double);
-  ///@}
-  ///@{
-  /// What each of the rigid tools is; null: there are none.
-  vtkSetSmartPointerMacro(Tool, vtkPalpateTool);
-  vtkGetSmartPointerMacro(Tool, vtkPalpateTool);
-  ///@}
-  ///@{
-  /// The field of gravity, m/s^2.
-  vtkSetVector3Macro(BodyForce, double);
-  vtkGetVector3Macro(BodyForce, double);
-  ///@}
   ///@{
   /// Whether the motion begins in the equilibrium under gravity, else undeformed.
   vtkSetMacro(Settled, bool);
@@ -132,45 +99,11 @@ public:
   vtkSetMacro(MaximumHalvings, int);
   vtkGetMacro(MaximumHalvings, int);
   ///@}
-  ///@{
-  /// Largest residual of a step, see palpate::EquilibriumOptions::tolerance (between 0 and 1).
-  vtkSetMacro(Tolerance, double);
-  vtkGetMacro(Tolerance, double);
-  ///@}
-  ///@{
-  /// Iterations of one step, at least 1.
-  vtkSetMacro(MaximumIterations, int);
-  vtkGetMacro(MaximumIterations, int);
-  ///@}
-  ///@{
-  /// Time for the run, s; 0 is no bound.
-  vtkSetMacro(MaximumSeconds, double);
-  vtkGetMacro(MaximumSeconds, double);
-  ///@}
-  ///@{
-  /// Threads of a rank that solve for a large body without a factor, to 1024; 0: as many as there
-  /// are cores for it.
-  vtkSetMacro(Threads, int);
-  vtkGetMacro(Threads, int);
-  ///@}
-  ///@{
-  /// A body with at least as many unknowns is solved by all ranks together.
-  vtkSetMacro(GroupUnknowns, int);
-  vtkGetMacro(GroupUnknowns, int);
-  ///@}
-  ///@{
-  /// One of GetLinearSolverNames().
-  vtkSetStdStringFromCharMacro(LinearSolver);
-  vtkGetCharFromStdStringMacro(LinearSolver);
-  ///@}
-  /// "Automatic", and the solvers that were built in.
-  vtkStringArray* GetLinearSolverNames();
 
 protected:
   vtkPalpateSolveDynamics();
   ~vtkPalpateSolveDynamics() override;
 
-  vtkMTimeType GetMTime() override;
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
@@ -179,6 +112,8 @@ protected:
 private:
   vtkPalpateSolveDynamics(const vtkPalpateSolveDynamics&) = delete;
   void operator=(const vtkPalpateSolveDynamics&) = delete;
+
+  static constexpr int PathPort = NumberOfInputs;
 
   /// What is simulated, on rank 0.
   struct Setup;
@@ -196,10 +131,6 @@ private:
     const Setup& setup, std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, Run& run);
   void Show(const Run& run, double time, vtkUnstructuredGrid* output, vtkTable* history) const;
 
-  std::vector<vtkIdType> ActiveNodes;
-  double TipRadius = 0;
-  vtkSmartPointer<vtkPalpateTool> Tool;
-  double BodyForce[3] = { 0, 0, 0 };
   bool Settled = true;
   double EndTime = 1;
   double FrameRate = 50;
@@ -208,13 +139,6 @@ private:
   double TimeStep = 0.002;
   double StepTolerance = 0;
   int MaximumHalvings = 10;
-  double Tolerance = 1e-8;
-  int MaximumIterations = 60;
-  double MaximumSeconds = 0;
-  int Threads = 0;
-  int GroupUnknowns = 30000;
-  std::string LinearSolver = "Automatic";
-  vtkSmartPointer<vtkStringArray> LinearSolverNames;
 
   std::unique_ptr<vtkPalpateKeptRun<Run>> LastRun;
 };

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "assembly/piece_support.h"
@@ -19,7 +18,6 @@
 #include "interaction/mesh_error.h"
 #include "interaction/rigid_tool.h"
 #include "interaction/tool_clearance.h"
-#include "linear/group.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkInformation.h"
@@ -31,16 +29,10 @@
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFields.h"
 #include "vtkPalpateGuard.h"
-#include "vtkPalpateInput.h"
-#include "vtkPalpateLinearSolver.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateSceneToEstimate.h"
 #include "vtkPalpateStress.h"
-#include "vtkPalpateWholeBody.h"
-#include "vtkPalpateWholeSurface.h"
 #include "vtkPointData.h"
-#include "vtkPolyData.h"
-#include "vtkStringArray.h"
 #include "vtkUnstructuredGrid.h"
 
 namespace
@@ -150,24 +142,11 @@ struct vtkPalpateSolveEquilibrium::Route
 };
 
 vtkPalpateSolveEquilibrium::vtkPalpateSolveEquilibrium()
-  : LinearSolverNames(vtkPalpateLinearSolverNames())
 {
-  this->SetNumberOfInputPorts(2);
+  this->ActiveNodes = { 0 };
 }
 
 vtkPalpateSolveEquilibrium::~vtkPalpateSolveEquilibrium() = default;
-
-void vtkPalpateSolveEquilibrium::AddActiveNode(vtkIdType node)
-{
-  this->ActiveNodes.push_back(node);
-  this->Modified();
-}
-
-void vtkPalpateSolveEquilibrium::ClearActiveNodes()
-{
-  this->ActiveNodes.clear();
-  this->Modified();
-}
 
 void vtkPalpateSolveEquilibrium::AddDisplacement(double x, double y, double z)
 {
@@ -181,26 +160,9 @@ void vtkPalpateSolveEquilibrium::ClearDisplacements()
   this->Modified();
 }
 
-vtkStringArray* vtkPalpateSolveEquilibrium::GetLinearSolverNames()
+int vtkPalpateSolveEquilibrium::FillOutputPortInformation(int, vtkInformation* info)
 {
-  return this->LinearSolverNames;
-}
-
-vtkMTimeType vtkPalpateSolveEquilibrium::GetMTime()
-{
-  const vtkMTimeType own = this->Superclass::GetMTime();
-  return this->Tool ? std::max(own, this->Tool->GetMTime()) : own;
-}
-
-int vtkPalpateSolveEquilibrium::FillInputPortInformation(int port, vtkInformation* info)
-{
-  if (port == 1)
-  {
-    vtkPalpateTakeWhole(info, "vtkPolyData");
-    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-    return 1;
-  }
-  vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkUnstructuredGrid");
   return 1;
 }
 
@@ -208,64 +170,34 @@ int vtkPalpateSolveEquilibrium::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   auto* output = vtkUnstructuredGrid::GetData(outputVector);
-  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   // A request that ended the run before is not for this one, and nobody else takes it back.
   this->SetAbortExecute(0);
   const auto compute = [&](palpate::Communicator& communicator)
   {
-    // On rank 0 alone.
-    vtkSmartPointer<vtkUnstructuredGrid> body;
-    std::optional<palpate::Scene> scene;
+    palpate::Scene scene;
     Route route;
-    palpate::agree(communicator,
-      [&]
-      {
-        body =
-          vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
-        const auto surface = this->Tool && this->Tool->HasShapeOfSurface()
-          ? vtkPalpateGatherSurface(vtkPalpateInput<vtkPolyData>(inputVector[1]), controller)
-          : nullptr;
-        if (!body || vtkPalpatePassFailure(body, output))
-        {
-          return;
-        }
-        scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
-        route = this->Tool ? this->ContactRoute(*scene, surface) : this->BondedRoute(*scene);
-        // Loads act before a tool holds anything.
-        palpate::PieceSupport(scene->body.mesh, palpate::holding_points(scene->body))
-          .require_held(
-            scene->has_load() ? std::vector<palpate::Index>() : palpate::held_points(*route.Tool));
-      });
-
-    const bool together = palpate::any(communicator,
-      scene &&
-        vtkPalpateSolvesTogether(
-          this->LinearSolver, this->GroupUnknowns, *scene, communicator.size()));
-    const int threads = palpate::num_threads(communicator, this->Threads);
-    const void* comm = together ? vtkPalpateMpiComm(controller) : nullptr;
-    palpate::agree(communicator,
-      [&]
-      {
-        if (together)
-        {
-          palpate::prepare_group_solver();
-        }
-      });
-    if (scene)
+    const auto setUp = [&](vtkUnstructuredGrid* body, vtkPolyData* surface) -> const palpate::Scene&
     {
-      auto linearSolver =
-        together ? palpate::make_group_solver(comm) : this->MakeLinearSolver(*scene, threads);
+      scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
+      route = this->Tool ? this->ContactRoute(scene, surface) : this->BondedRoute(scene);
+      // Loads act before a tool holds anything.
+      palpate::PieceSupport(scene.body.mesh, palpate::holding_points(scene.body))
+        .require_held(
+          scene.has_load() ? std::vector<palpate::Index>() : palpate::held_points(*route.Tool));
+      return scene;
+    };
+    const auto solve = [&](vtkUnstructuredGrid* body,
+                         std::unique_ptr<palpate::LinearSolver> linearSolver, int threads)
+    {
       output->ShallowCopy(body);
       palpate::with_memory("to solve for the equilibrium of the body",
-        [&] { this->Solve(*scene, route, std::move(linearSolver), threads, output); });
-    }
-    else if (together)
-    {
-      palpate::serve_group_solver(comm);
-    }
+        [&] { this->Solve(scene, route, std::move(linearSolver), threads, output); });
+    };
+    this->SolveOnRanks(inputVector, communicator, output, setUp, solve);
   };
 
-  this->ErrorCode = vtkPalpateProduce(this, output, controller, compute);
+  this->ErrorCode =
+    vtkPalpateProduce(this, output, vtkMultiProcessController::GetGlobalController(), compute);
   return 1;
 }
 
@@ -337,9 +269,9 @@ palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
 std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSolver(
   const palpate::Scene& scene, int threads) const
 {
-  return this->EstimateCondition && this->LinearSolver == vtkPalpateAutomaticSolver
+  return this->EstimateCondition && this->IsSolverAutomatic()
     ? palpate::make_linear_solver()
-    : vtkPalpateMakeLinearSolver(this->LinearSolver, scene, threads);
+    : this->Superclass::MakeLinearSolver(scene, threads);
 }
 
 vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::BondedRoute(
@@ -413,7 +345,7 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route&
     return this->GetAbortExecute() != 0;
   };
   // What is beyond a fold, and tangents that are hard to solve for, need a factor.
-  const bool mayTryAgain = this->LinearSolver == vtkPalpateAutomaticSolver && !linearSolver &&
+  const bool mayTryAgain = this->IsSolverAutomatic() && !linearSolver &&
     palpate::count_unknowns(scene) <= MostUnknownsTriedAgain;
   palpate::EquilibriumSolver solver(scene, options, std::move(linearSolver));
   palpate::Equilibrium state = this->SolveWith(solver, scene, route);
@@ -463,30 +395,16 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route&
 void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "ActiveNodes:";
-  for (const vtkIdType node : this->ActiveNodes)
-  {
-    os << ' ' << node;
-  }
-  os << '\n' << indent << "Displacements:";
+  os << indent << "Displacements:";
   for (const double component : this->Displacements)
   {
     os << ' ' << component;
   }
-  os << " m\n" << indent << "TipRadius: " << this->TipRadius << " m\n";
-  vtkPalpatePrintTool(os, indent, this->Tool);
-  os << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
+  os << " m\n"
+     << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
      << this->ToolPosition[2] << " m\n"
-     << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
-     << this->BodyForce[2] << " m/s^2\n"
-     << indent << "Tolerance: " << this->Tolerance << '\n'
-     << indent << "MaximumIterations: " << this->MaximumIterations << '\n'
-     << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
-     << indent << "Threads: " << this->Threads << '\n'
      << indent << "Increments: " << this->Increments << '\n'
      << indent << "EstimateCondition: " << this->EstimateCondition << '\n'
      << indent << "Stress: " << this->Stress << '\n'
-     << indent << "GroupUnknowns: " << this->GroupUnknowns << '\n'
-     << indent << "LinearSolver: " << this->LinearSolver << '\n'
      << indent << "Estimate: " << this->Estimate << '\n';
 }

@@ -31,8 +31,7 @@
  * vtkPalpateStress.h.
  *
  * A solve that does not converge is a result, not an error: Outcome is not 0, and all values belong
- * to the last equilibrium on the way. The whole result is on rank 0. A large body is solved by all
- * ranks together, a smaller one by rank 0 alone.
+ * to the last equilibrium on the way.
  */
 #pragma once
 
@@ -41,82 +40,32 @@
 #include <vector>
 
 #include "PalpateSolvingModule.h"
+#include "vtkPalpateSolve.h"
 #include "vtkPalpateSolveCost.h"
-#include "vtkPalpateTool.h"
-#include "vtkSmartPointer.h"
-#include "vtkUnstructuredGridAlgorithm.h"
-
-class vtkPolyData;
-class vtkStringArray;
 
 namespace palpate
 {
 class EquilibriumSolver;
-class LinearSolver;
 struct Equilibrium;
 struct Scene;
 }
 
-class PALPATESOLVING_EXPORT vtkPalpateSolveEquilibrium : public vtkUnstructuredGridAlgorithm
+class PALPATESOLVING_EXPORT vtkPalpateSolveEquilibrium : public vtkPalpateSolve
 {
 public:
   static vtkPalpateSolveEquilibrium* New();
-  vtkTypeMacro(vtkPalpateSolveEquilibrium, vtkUnstructuredGridAlgorithm);
+  vtkTypeMacro(vtkPalpateSolveEquilibrium, vtkPalpateSolve);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /// Ids of the points of the input that are held: on the surface and not fixed.
-  void AddActiveNode(vtkIdType node);
-  void ClearActiveNodes();
-  ///@}
-  ///@{
-  /// Displacements of the active nodes, m, in their order.
+  /// Displacements of the active nodes from the body at rest under its weight, m, in their order.
   void AddDisplacement(double x, double y, double z);
   void ClearDisplacements();
-  ///@}
-  ///@{
-  /// The points of the connected patch of the surface within this distance of an active node move
-  /// with it, m; 0: the node alone.
-  vtkSetMacro(TipRadius, double);
-  vtkGetMacro(TipRadius, double);
-  ///@}
-  ///@{
-  /// The rigid tool; null: the active nodes are moved.
-  vtkSetSmartPointerMacro(Tool, vtkPalpateTool);
-  vtkGetSmartPointerMacro(Tool, vtkPalpateTool);
   ///@}
   ///@{
   /// The place of the centre of a rigid tool, m.
   vtkSetVector3Macro(ToolPosition, double);
   vtkGetVector3Macro(ToolPosition, double);
-  ///@}
-  ///@{
-  /// The field of gravity, m/s^2: the body rests under its weight, and the displacements of active
-  /// nodes count from that rest.
-  vtkSetVector3Macro(BodyForce, double);
-  vtkGetVector3Macro(BodyForce, double);
-  ///@}
-  ///@{
-  /// Largest residual of an equilibrium, see palpate::EquilibriumOptions::tolerance (between 0 and
-  /// 1).
-  vtkSetMacro(Tolerance, double);
-  vtkGetMacro(Tolerance, double);
-  ///@}
-  ///@{
-  /// Iterations of one step, at least 1.
-  vtkSetMacro(MaximumIterations, int);
-  vtkGetMacro(MaximumIterations, int);
-  ///@}
-  ///@{
-  /// Time for an increment, s; 0 is no bound.
-  vtkSetMacro(MaximumSeconds, double);
-  vtkGetMacro(MaximumSeconds, double);
-  ///@}
-  ///@{
-  /// Threads of a rank that solve for a large body without a factor, to 1024; 0: as many as there
-  /// are cores for it.
-  vtkSetMacro(Threads, int);
-  vtkGetMacro(Threads, int);
   ///@}
   ///@{
   /// The way is gone in so many equal parts, at least 1, each from the equilibrium of the one
@@ -136,19 +85,6 @@ public:
   vtkGetMacro(Stress, bool);
   vtkBooleanMacro(Stress, bool);
   ///@}
-  ///@{
-  /// A body with at least as many unknowns is solved by all ranks together.
-  vtkSetMacro(GroupUnknowns, int);
-  vtkGetMacro(GroupUnknowns, int);
-  ///@}
-  ///@{
-  /// One of GetLinearSolverNames().
-  vtkSetStdStringFromCharMacro(LinearSolver);
-  vtkGetCharFromStdStringMacro(LinearSolver);
-  ///@}
-  /// "Automatic", and the solvers that were built in.
-  vtkStringArray* GetLinearSolverNames();
-
   ///@{ What the filter will take, by its properties and what its input is now.
   /// @note Collective.
   void UpdateEstimate();
@@ -159,17 +95,15 @@ protected:
   vtkPalpateSolveEquilibrium();
   ~vtkPalpateSolveEquilibrium() override;
 
-  vtkMTimeType GetMTime() override;
-  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  std::unique_ptr<palpate::LinearSolver> MakeLinearSolver(
+    const palpate::Scene& scene, int threads) const override;
 
 private:
   vtkPalpateSolveEquilibrium(const vtkPalpateSolveEquilibrium&) = delete;
   void operator=(const vtkPalpateSolveEquilibrium&) = delete;
 
-  /// Null: there is no factor.
-  std::unique_ptr<palpate::LinearSolver> MakeLinearSolver(
-    const palpate::Scene& scene, int threads) const;
   /// A tool, and where it starts and ends.
   struct Route;
   Route BondedRoute(const palpate::Scene& scene) const;
@@ -181,22 +115,11 @@ private:
   void Solve(const palpate::Scene& scene, const Route& route,
     std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output);
 
-  std::vector<vtkIdType> ActiveNodes = { 0 };
   std::vector<double> Displacements = { 0, 0, 0 };
-  double TipRadius = 0;
-  vtkSmartPointer<vtkPalpateTool> Tool;
   double ToolPosition[3] = { 0, 0, 0 };
-  double BodyForce[3] = { 0, 0, 0 };
-  double Tolerance = 1e-10;
-  int MaximumIterations = 60;
-  double MaximumSeconds = 0;
-  int Threads = 0;
   int Increments = 1;
   bool EstimateCondition = false;
   bool Stress = false;
-  int GroupUnknowns = 30000;
-  std::string LinearSolver = "Automatic";
-  vtkSmartPointer<vtkStringArray> LinearSolverNames;
   std::string Estimate;
   vtkPalpateSolveCost Cost;
 };

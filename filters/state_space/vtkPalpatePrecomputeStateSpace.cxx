@@ -195,26 +195,11 @@ struct vtkPalpatePrecomputeStateSpace::Growth
 
 vtkStandardNewMacro(vtkPalpatePrecomputeStateSpace);
 
-vtkPalpatePrecomputeStateSpace::vtkPalpatePrecomputeStateSpace()
-{
-  this->SetNumberOfInputPorts(2);
-}
+vtkPalpatePrecomputeStateSpace::vtkPalpatePrecomputeStateSpace() = default;
 
 vtkPalpatePrecomputeStateSpace::~vtkPalpatePrecomputeStateSpace()
 {
   vtkPalpateStopGrowing(this);
-}
-
-void vtkPalpatePrecomputeStateSpace::AddActiveNode(vtkIdType node)
-{
-  this->ActiveNodes.push_back(node);
-  this->Modified();
-}
-
-void vtkPalpatePrecomputeStateSpace::ClearActiveNodes()
-{
-  this->ActiveNodes.clear();
-  this->Modified();
 }
 
 bool vtkPalpatePrecomputeStateSpace::GetNeedsUpdate()
@@ -244,12 +229,8 @@ vtkImplicitFunction* vtkPalpatePrecomputeStateSpace::GetToolRegion()
 
 vtkMTimeType vtkPalpatePrecomputeStateSpace::GetMTime()
 {
-  vtkMTimeType latest = this->Superclass::GetMTime();
-  for (vtkObject* part : std::initializer_list<vtkObject*>{ this->Tool, this->ToolRegion })
-  {
-    latest = part ? std::max(latest, part->GetMTime()) : latest;
-  }
-  return latest;
+  const vtkMTimeType own = this->Superclass::GetMTime();
+  return this->ToolRegion ? std::max(own, this->ToolRegion->GetMTime()) : own;
 }
 
 palpate::ContactOptions vtkPalpatePrecomputeStateSpace::Contact(vtkPolyData* surface)
@@ -313,11 +294,11 @@ void vtkPalpatePrecomputeStateSpace::UpdateEstimate()
   this->Estimate = vtkPalpateEstimate(controller,
     [&]
     {
-      const auto scene =
-        vtkPalpateSceneToEstimate({ vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) },
-          controller, palpate::Vec3(this->BodyForce));
-      const palpate::PrecomputeOptions options =
-        this->Options(vtkPolyData::SafeDownCast(this->GetInputDataObject(1, 0)), controller);
+      const auto scene = vtkPalpateSceneToEstimate(
+        { vtkPointSet::SafeDownCast(this->GetInputDataObject(BodyPort, 0)) }, controller,
+        palpate::Vec3(this->BodyForce));
+      const palpate::PrecomputeOptions options = this->Options(
+        vtkPolyData::SafeDownCast(this->GetInputDataObject(SurfacePort, 0)), controller);
       const auto communicator = vtkPalpateCommunicator(controller);
       const int threads = palpate::num_threads(*communicator, this->Threads);
       return scene ? ToText(palpate::estimate_exploration(
@@ -326,15 +307,9 @@ void vtkPalpatePrecomputeStateSpace::UpdateEstimate()
     });
 }
 
-int vtkPalpatePrecomputeStateSpace::FillInputPortInformation(int port, vtkInformation* info)
+int vtkPalpatePrecomputeStateSpace::FillOutputPortInformation(int, vtkInformation* info)
 {
-  if (port == 1)
-  {
-    vtkPalpateTakeWhole(info, "vtkPolyData");
-    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
-    return 1;
-  }
-  vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkPartitionedDataSetCollection");
   return 1;
 }
 
@@ -348,7 +323,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   const auto compute = [&](palpate::Communicator& communicator)
   {
-    auto* piece = vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]);
+    auto* piece = vtkPalpateInput<vtkUnstructuredGrid>(inputVector[BodyPort]);
     vtkPalpateNameBlocks(output, this->IntermediateStates > 0);
 
     vtkSmartPointer<vtkUnstructuredGrid> body;
@@ -366,7 +341,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
 
     palpate::PrecomputeOptions options =
-      this->Options(vtkPalpateInput<vtkPolyData>(inputVector[1]), controller);
+      this->Options(vtkPalpateInput<vtkPolyData>(inputVector[SurfacePort]), controller);
     if (!goesOn)
     {
       // For a space that goes on growing, this was reported before.
@@ -497,13 +472,6 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
 void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "ActiveNodes:";
-  for (const vtkIdType node : this->ActiveNodes)
-  {
-    os << ' ' << node;
-  }
-  os << '\n' << indent << "TipRadius: " << this->TipRadius << '\n';
-  vtkPalpatePrintTool(os, indent, this->Tool);
   os << indent << "Graspable: " << this->Graspable << '\n'
      << indent << "UseToolRegion: " << this->UseToolRegion << '\n'
      << indent << "ToolRegion: " << this->ToolRegion.Get() << '\n'
@@ -511,8 +479,6 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Spacing: " << this->Spacing << '\n'
      << indent << "BeginAt: " << this->BeginAt[0] << ' ' << this->BeginAt[1] << ' '
      << this->BeginAt[2] << '\n'
-     << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
-     << this->BodyForce[2] << " m/s^2\n"
      << indent << "MaximumConfigurations: " << this->MaximumConfigurations << '\n'
      << indent << "HalfWidth: " << this->HalfWidth << '\n'
      << indent << "Resolution: " << this->Resolution << '\n'
@@ -526,9 +492,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Keep: " << this->Keep << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
      << indent << "SinglePrecisionFactors: " << this->SinglePrecisionFactors << '\n'
-     << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
      << indent << "RanksPerSolve: " << this->RanksPerSolve << '\n'
-     << indent << "Threads: " << this->Threads << '\n'
      << indent << "UpdateInterval: " << this->UpdateInterval << '\n'
      << indent << "LogInterval: " << this->LogInterval << '\n'
      << indent << "DisplacementBound: " << this->DisplacementBound << '\n'

@@ -3,8 +3,10 @@
  * @class vtkPalpatePrecomputeStateSpace
  * @brief the configurations of a body around its active nodes
  *
- * Input: a body with material and boundary (see vtkPalpateScene.h). Output: its state space (see
- * vtkPalpateStateSpace.h), with these field arrays of the run on `Configurations`:
+ * Inputs: those of vtkPalpateToolFilter. A tool is bonded to each of the active nodes, or, where
+ * there are none, to each point that is touchable. A rigid tool, where there is one, presses
+ * anywhere instead. Output: the state space of the body (see vtkPalpateStateSpace.h), with these
+ * field arrays of the run on `Configurations`:
  *
  *   `FileName`                  the file of the space
  *   `Ranks`, `Cells`            the numbers of ranks, and of cells of the body
@@ -37,14 +39,12 @@
 #include <chrono>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "PalpateStateSpaceModule.h"
 #include "vtkNew.h"
 #include "vtkPalpateSolveCost.h"
-#include "vtkPalpateTool.h"
+#include "vtkPalpateToolFilter.h"
 #include "vtkPartitionedDataSetCollection.h"
-#include "vtkPartitionedDataSetCollectionAlgorithm.h"
 #include "vtkSmartPointer.h"
 
 class vtkImplicitFunction;
@@ -57,30 +57,13 @@ struct ContactOptions;
 struct PrecomputeOptions;
 }
 
-class PALPATESTATESPACE_EXPORT vtkPalpatePrecomputeStateSpace
-  : public vtkPartitionedDataSetCollectionAlgorithm
+class PALPATESTATESPACE_EXPORT vtkPalpatePrecomputeStateSpace : public vtkPalpateToolFilter
 {
 public:
   static vtkPalpatePrecomputeStateSpace* New();
-  vtkTypeMacro(vtkPalpatePrecomputeStateSpace, vtkPartitionedDataSetCollectionAlgorithm);
+  vtkTypeMacro(vtkPalpatePrecomputeStateSpace, vtkPalpateToolFilter);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
-  /// Ids of the points of the input that are touched; none: all that are touchable.
-  void AddActiveNode(vtkIdType node);
-  void ClearActiveNodes();
-  ///@}
-  ///@{
-  /// The points of the connected patch of the surface within this distance of an active node move
-  /// with it, m; 0: the node alone.
-  vtkSetMacro(TipRadius, double);
-  vtkGetMacro(TipRadius, double);
-  ///@}
-  ///@{
-  /// The rigid tool, which presses anywhere; null: one is bonded to each active node.
-  vtkSetSmartPointerMacro(Tool, vtkPalpateTool);
-  vtkGetSmartPointerMacro(Tool, vtkPalpateTool);
-  ///@}
   ///@{
   /// Whether a rigid tool can also hold active nodes, which are explored besides.
   vtkSetMacro(Graspable, bool);
@@ -118,11 +101,6 @@ public:
   /// expected.
   vtkSetMacro(MaximumConfigurations, int);
   vtkGetMacro(MaximumConfigurations, int);
-  ///@}
-  ///@{
-  /// Gravity, m/s²: a body with density rests under its weight, and is touched from there.
-  vtkSetVector3Macro(BodyForce, double);
-  vtkGetVector3Macro(BodyForce, double);
   ///@}
   ///@{
   /// Half the side of the box of check-points around each active node, m.
@@ -219,21 +197,10 @@ public:
   vtkBooleanMacro(SinglePrecisionFactors, bool);
   ///@}
   ///@{
-  /// Time for one solve, s; 0 is no bound.
-  vtkSetMacro(MaximumSeconds, double);
-  vtkGetMacro(MaximumSeconds, double);
-  ///@}
-  ///@{
   /// Neighbouring ranks that factorise and solve together, 1 to the number of ranks: for bodies
   /// that are too large for the memory of one.
   vtkSetMacro(RanksPerSolve, int);
   vtkGetMacro(RanksPerSolve, int);
-  ///@}
-  ///@{
-  /// Threads of a rank that solve for a large body without a factor, to 1024; 0: as many as there
-  /// are cores for it.
-  vtkSetMacro(Threads, int);
-  vtkGetMacro(Threads, int);
   ///@}
   ///@{
   /// Largest error of the displacement that is carried for touching, as a share of the largest.
@@ -256,30 +223,26 @@ protected:
   vtkPalpatePrecomputeStateSpace();
   ~vtkPalpatePrecomputeStateSpace() override;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
   vtkMTimeType GetMTime() override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
   vtkPalpatePrecomputeStateSpace(const vtkPalpatePrecomputeStateSpace&) = delete;
   void operator=(const vtkPalpatePrecomputeStateSpace&) = delete;
 
-  std::vector<vtkIdType> ActiveNodes;
   /// What the properties of a rigid tool ask for.
   palpate::ContactOptions Contact(vtkPolyData* surface);
   /// What all properties ask for, but for what is told on the way.
   /// @param surface What this rank has of that of the tool. @note Collective.
   palpate::PrecomputeOptions Options(vtkPolyData* surface, vtkMultiProcessController* controller);
 
-  double TipRadius = 0;
-  vtkSmartPointer<vtkPalpateTool> Tool;
   bool Graspable = false;
   bool UseToolRegion = false;
   vtkSmartPointer<vtkImplicitFunction> ToolRegion;
   double Depth = 0.005;
   double Spacing = 0;
   double BeginAt[3] = { 0, 0, 0 };
-  double BodyForce[3] = { 0, 0, 0 };
   int MaximumConfigurations = 30000;
   double HalfWidth = 0.01;
   int Resolution = 7;
@@ -293,9 +256,7 @@ private:
   int Keep = SURFACE;
   double SolverTolerance = 1e-9;
   bool SinglePrecisionFactors = true;
-  double MaximumSeconds = 0;
   int RanksPerSolve = 1;
-  int Threads = 0;
   double LogInterval = 10;
   double UpdateInterval = 0;
   double DisplacementBound = 1e-3;

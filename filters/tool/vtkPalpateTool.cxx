@@ -62,12 +62,3 @@ void vtkPalpateTool::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "ContactStiffness: " << this->ContactStiffness << " Pa\n"
      << indent << "Motion: " << (this->Motion ? this->Motion->GetClassName() : "none") << '\n';
 }
-
-void vtkPalpatePrintTool(ostream& os, vtkIndent indent, vtkPalpateTool* tool)
-{
-  os << indent << "Tool: " << (tool ? tool->GetClassName() : "none") << '\n';
-  if (tool)
-  {
-    tool->PrintSelf(os, indent.GetNextIndent());
-  }
-}

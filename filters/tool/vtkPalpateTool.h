@@ -82,6 +82,3 @@ private:
   double ContactStiffness = 0;
   vtkSmartPointer<vtkPalpateMotion> Motion;
 };
-
-/// Prints a tool, or that there is none, as PrintSelf() of a filter does.
-PALPATETOOL_EXPORT void vtkPalpatePrintTool(ostream& os, vtkIndent indent, vtkPalpateTool* tool);
