@@ -21,6 +21,7 @@ class ShownSurface {
  public:
   /// @param bodies In the order of their numbers, one at least. They must outlive this object.
   explicit ShownSurface(const std::vector<SpaceBody>& bodies) : bodies_(bodies) {}
+  explicit ShownSurface(std::vector<SpaceBody>&&) = delete;
 
   [[nodiscard]] const Surface& surface() const { return surface_of(kFirstBody); }
   /// The surface of a body at rest. It is made when it is first asked for.
