@@ -94,7 +94,7 @@ std::vector<LayerPress> press_layer_with(const BondedLayer& layer, const Scene& 
   const ContactLaw law = with_defaults(tool, scene).law;
   return press_layer(
       layer, scene,
-      std::make_shared<const ContactSurface>(scene, kSpacingOfThickness * law.thickness), law,
+      std::make_shared<const ContactSurface>(scene.body, kSpacingOfThickness * law.thickness), law,
       kDepths);
 }
 

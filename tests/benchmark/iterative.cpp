@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "assembly/assembly.h"
 #include "assembly/kernels.h"
 #include "assembly/node_levels.h"
 #include "benchmark/table.h"
@@ -60,7 +61,7 @@ int num_unknowns(int bricks) {
   return 3 * points * points * (points - 1);
 }
 
-struct Body {
+struct PressedBody {
   Scene scene;
   /// Where the sphere takes the points that stick to it, and zero elsewhere.
   NodalVector pressed;
@@ -77,8 +78,8 @@ void shuffle(TetMesh& mesh) {
   for (Index& p : mesh.cells) p = place[p];
 }
 
-Body make_body(int bricks, const Choice& choice) {
-  Body body;
+PressedBody make_body(int bricks, const Choice& choice) {
+  PressedBody body;
   Scene& scene = body.scene;
   scene.body.mesh =
       test::make_box(ElementOrder::quadratic, {bricks, bricks, bricks}, Vec3::Constant(kEdge));
@@ -226,7 +227,7 @@ double largest_gradient(const Assembly& assembly, const NodalVector& u) {
 std::vector<Figure> measure(int bricks, const Choice& choice) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   forget_peak();
-  Body body = make_body(bricks, choice);
+  PressedBody body = make_body(bricks, choice);
   const Assembly assembly(body.scene);
   const Index size = assembly.pattern().size;
   std::vector<Figure> figures = {{"unknowns", 1, static_cast<double>(size)}};
