@@ -71,3 +71,18 @@ void vtkPalpateAddColumn(
   }
   table->AddColumn(array);
 }
+
+/// Adds the columns of a motion's tools, `Position0` (m), `Force0` (N) and so on.
+/// @param steps One at least. Each has Position and Force [3 × number of tools].
+template <class Step>
+void vtkPalpateAddToolColumns(vtkTable* table, const std::vector<Step>& steps)
+{
+  for (int tool = 0; tool < static_cast<int>(steps.front().Force.size()) / 3; ++tool)
+  {
+    const std::string id = std::to_string(tool);
+    vtkPalpateAddColumn<vtkDoubleArray>(table, "Position" + id, 3, steps,
+      [tool](const Step& step, int axis) { return step.Position[3 * tool + axis]; });
+    vtkPalpateAddColumn<vtkDoubleArray>(table, "Force" + id, 3, steps,
+      [tool](const Step& step, int axis) { return step.Force[3 * tool + axis]; });
+  }
+}

@@ -91,14 +91,7 @@ vtkSmartPointer<vtkTable> TableOf(const std::vector<Step>& steps, palpate::Outco
   number("ViscousEnergy", [](const Step& step) { return step.Energy.viscous_stored; });
   number("Dissipated", [](const Step& step) { return step.Energy.dissipated; });
   number("Work", [](const Step& step) { return step.Energy.work; });
-  for (Eigen::Index tool = 0; tool < steps.front().Force.size() / 3; ++tool)
-  {
-    const std::string id = std::to_string(tool);
-    vtkPalpateAddColumn<vtkDoubleArray>(table, "Position" + id, 3, steps,
-      [tool](const Step& step, int axis) { return step.Position[3 * tool + axis]; });
-    vtkPalpateAddColumn<vtkDoubleArray>(table, "Force" + id, 3, steps,
-      [tool](const Step& step, int axis) { return step.Force[3 * tool + axis]; });
-  }
+  vtkPalpateAddToolColumns(table, steps);
   number("MinimumDetF", [](const Step& step) { return step.MinimumDetF; });
   number("LocalError", [](const Step& step) { return step.LocalError; });
   number("Residual", [](const Step& step) { return step.Residual; });

@@ -63,14 +63,7 @@ vtkSmartPointer<vtkTable> TableOf(const std::vector<Step>& steps)
   number("ViscousEnergy", [](const Step& step) { return step.State.viscous_stored; });
   number("Dissipated", [](const Step& step) { return step.State.dissipated; });
   number("Work", [](const Step& step) { return step.State.work; });
-  for (Eigen::Index tool = 0; tool < steps.front().Force.size() / 3; ++tool)
-  {
-    const std::string id = std::to_string(tool);
-    vtkPalpateAddColumn<vtkDoubleArray>(table, "Position" + id, 3, steps,
-      [tool](const Step& step, int axis) { return step.Position[3 * tool + axis]; });
-    vtkPalpateAddColumn<vtkDoubleArray>(table, "Force" + id, 3, steps,
-      [tool](const Step& step, int axis) { return step.Force[3 * tool + axis]; });
-  }
+  vtkPalpateAddToolColumns(table, steps);
   number("Trust", [](const Step& step) { return step.State.trust; });
   number("MinimumDetF", [](const Step& step) { return step.State.minimum_det_f; });
   number("Residual", [](const Step& step) { return step.State.residual; });
