@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An exploration strategy decides which transitions are made next in a tool space; the engine makes
-// them. The strategy knows neither the mechanics nor the ranks.
+// An exploration strategy decides which transitions are made in a tool space, as far as its plan
+// leaves this open; the engine makes them, and its queue decides in which order. The strategy knows
+// neither the mechanics nor the ranks.
 //
 // The start of a target depends on what was found, never on when it was found, so that any number
 // of ranks finds the same space. Targets that follow from a configuration in any case are named by
