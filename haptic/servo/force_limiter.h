@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The limiter: every force but zero passes it last, before the device's profile makes a report of it.
+// The limiter: every force but zero passes it last, before the device's profile makes a report of
+// it.
 #pragma once
 
 #include <cstdint>
