@@ -167,8 +167,10 @@ TEST_P(Stability, NextToABranchingPointNothingHopsAndALossOfAccuracyIsTold) {
       if (state.outcome != Outcome::converged) continue;
       const double bent =
           state.u.reshaped(3, state.u.size() / 3).bottomRows(2).lpNorm<Eigen::Infinity>();
-      EXPECT_LT(bent, 1e-5 * state.t.norm()) << side << ", " << digits;
-      if ((state.flags & flags::inaccurate) != 0) ++num_inaccurate;
+      const bool is_told = (state.flags & flags::inaccurate) != 0;
+      // How far rounding moves it depends on the processor's kernels.
+      EXPECT_LT(bent, (is_told ? 1e-4 : 1e-5) * state.t.norm()) << side << ", " << digits;
+      if (is_told) ++num_inaccurate;
     }
   }
   EXPECT_GT(num_inaccurate, 0) << "this test is too far from the point to notice anything";

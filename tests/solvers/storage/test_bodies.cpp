@@ -202,7 +202,7 @@ TEST_F(BodiesTest, ABodyIsAddedOnceAndOnlyOfTheSameOrgan) {
   harder.organ.materials[0].parameters[0] *= 2;
   EXPECT_THROW((void)file.add_body(harder), InputError);
   ToolSpaceSetup on_none = fine_.setup;
-  on_none.body = 3;
+  on_none.body = 4;
   EXPECT_THROW(file.add_tool_space(on_none), InputError);
   EXPECT_THROW(file.add(fine_.key(), fine_.configuration(0)), InputError) << "no tool space yet";
 }
