@@ -144,21 +144,31 @@ TEST_F(Replay, ARecordingWithoutNewerColumnsIsRead) {
   std::vector<std::string> rows;
   std::istringstream whole(text_of(file("a.csv")));
   for (std::string row; std::getline(whole, row);) rows.push_back(row);
-  ASSERT_NE(rows[0].find(",trust,settings"), std::string::npos);
-  const auto before =
-      std::count(rows[0].begin(), rows[0].begin() + rows[0].find(",trust"), ',') + 1;
-  std::string older;
-  for (const std::string& row : rows) {
-    std::size_t begin = 0;
-    for (auto n = before; n > 0; --n) begin = row.find(',', begin) + 1;
-    older += row.substr(0, begin) + row.substr(row.find(',', begin) + 1) + '\n';
-  }
-  write_text(file("older.csv"), older);
   const std::vector<TickRecord> expected = ticks_of(file("a.csv"));
-  const std::vector<TickRecord> read = ticks_of(file("older.csv"));
-  ASSERT_EQ(read.size(), expected.size());
-  EXPECT_EQ(read.back().tick.force, expected.back().tick.force);
-  EXPECT_EQ(read.back().settings.damping, 2);
+  const auto place_of = [](const std::string& row, std::ptrdiff_t column) {
+    std::size_t begin = 0;
+    for (; column > 0; --column) begin = row.find(',', begin) + 1;
+    return begin;
+  };
+  // The versions before, of which each had fewer columns before the settings.
+  for (const char* first :
+       {",body_0,body_1,body_2,settings", ",trust,body_0,body_1,body_2,settings"}) {
+    const std::size_t at = rows[0].find(first);
+    ASSERT_NE(at, std::string::npos);
+    const auto begin = static_cast<std::ptrdiff_t>(at);
+    const std::ptrdiff_t before = std::count(rows[0].begin(), rows[0].begin() + begin, ',') + 1;
+    const std::ptrdiff_t settings = std::count(rows[0].begin(), rows[0].end(), ',');
+    std::string older;
+    for (const std::string& row : rows) {
+      older += row.substr(0, place_of(row, before)) + row.substr(place_of(row, settings)) + '\n';
+    }
+    write_text(file("older.csv"), older);
+    const std::vector<TickRecord> read = ticks_of(file("older.csv"));
+    ASSERT_EQ(read.size(), expected.size());
+    EXPECT_EQ(read.back().tick.force, expected.back().tick.force);
+    EXPECT_EQ(read.back().tick.contact.bodies[2], kFirstBody);
+    EXPECT_EQ(read.back().settings.damping, 2);
+  }
 }
 
 TEST_F(Replay, AnUnpluggedDeviceIsGoneAgain) {
