@@ -86,6 +86,21 @@ RoundedModes round_modes(const PodFit& fit, int components, const VectorXf& give
   return best;
 }
 
+/// Drops modes that rounding has made zero, since a basis that has such a mode cannot be extended.
+/// What they would have added is in the errors.
+/// @param given The number of first modes, which stay.
+void drop_zero_modes(Eigen::Index given, PodFit& fit, RoundedModes& rounded) {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index m = 0; m < rounded.modes.cols(); ++m) {
+    if (m < given || !rounded.modes.col(m).isZero(0)) kept.push_back(m);
+  }
+  if (static_cast<Eigen::Index>(kept.size()) == rounded.modes.cols()) return;
+  rounded.modes = rounded.modes(Eigen::all, kept).eval();
+  rounded.steps = rounded.steps(kept).eval();
+  fit.bound = fit.bound(kept, Eigen::all).eval();
+  fit.following = fit.following(kept, Eigen::all).eval();
+}
+
 /// Displacements, or pressures: a field f and g = step · ∂f/∂t.
 class Part {
  public:
@@ -114,6 +129,7 @@ class Part {
     RoundedModes rounded = round_modes(fit, components_, begin_steps_, limit() - fit.bound_error);
     fit.bound_error += rounded.bound_error;
     fit.following_error += rounded.following_error;
+    drop_zero_modes(begin_steps_.size(), fit, rounded);
     const double of_single = kSinglePrecision * scale_;
     if (scale_ > 0 && fit.bound_error + of_single > bound_ * scale_) {
       throw BackendError("The modes of the fields keep " + quantity(fit.bound_error / scale_) +
