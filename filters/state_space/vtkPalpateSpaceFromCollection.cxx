@@ -351,23 +351,22 @@ void ReadIntermediateStates(vtkDataSet* data, TouchSpace& space)
 
 /// The partitions on this rank of the block of a name that have points.
 template <class Data = vtkPointSet>
-std::vector<vtkSmartPointer<Data>> FindBlock(
+std::vector<vtkSmartPointer<Data>> PiecesOfBlock(
   vtkPartitionedDataSetCollection* collection, const std::string& name)
 {
   std::vector<vtkSmartPointer<Data>> pieces;
-  for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
+  const int found = FindBlock(collection, name);
+  if (found < 0)
   {
-    if (BlockName(collection, i) != name)
+    return pieces;
+  }
+  const auto block = static_cast<unsigned int>(found);
+  for (unsigned int p = 0; p < collection->GetNumberOfPartitions(block); ++p)
+  {
+    auto* data = Data::SafeDownCast(collection->GetPartitionAsDataObject(block, p));
+    if (data && data->GetNumberOfPoints() > 0)
     {
-      continue;
-    }
-    for (unsigned int p = 0; p < collection->GetNumberOfPartitions(i); ++p)
-    {
-      auto* data = Data::SafeDownCast(collection->GetPartitionAsDataObject(i, p));
-      if (data && data->GetNumberOfPoints() > 0)
-      {
-        pieces.emplace_back(data);
-      }
+      pieces.emplace_back(data);
     }
   }
   return pieces;
@@ -406,24 +405,13 @@ void ExpectOneSpace(const vtkPalpatePieces& configurations)
 std::vector<vtkSmartPointer<vtkUnstructuredGrid>> GatherBodies(
   vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller)
 {
-  // The blocks are the same on every rank.
-  const auto hasBlock = [&](const std::string& name)
-  {
-    for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
-    {
-      if (BlockName(collection, i) == name)
-      {
-        return true;
-      }
-    }
-    return false;
-  };
   std::vector<vtkSmartPointer<vtkUnstructuredGrid>> bodies;
   palpate::BodyId number = palpate::kFirstBody;
+  // The blocks are the same on every rank.
   do
   {
     bodies.push_back(vtkPalpateGatherBody(vtkPalpateBody(collection, number), controller));
-  } while (hasBlock(BodyBlockName(++number)));
+  } while (FindBlock(collection, BodyBlockName(++number)) >= 0);
   return bodies;
 }
 
@@ -456,20 +444,20 @@ vtkSmartPointer<vtkDataSet> Join(
 
 vtkPalpatePieces vtkPalpateBody(vtkPartitionedDataSetCollection* collection, palpate::BodyId body)
 {
-  return FindBlock(collection, BodyBlockName(body));
+  return PiecesOfBlock(collection, BodyBlockName(body));
 }
 
 std::vector<vtkSmartPointer<vtkDataSet>> vtkPalpateConfigurations(
   vtkPartitionedDataSetCollection* collection)
 {
-  return FindBlock<vtkDataSet>(collection, BlockNames[2]);
+  return PiecesOfBlock<vtkDataSet>(collection, BlockNames[2]);
 }
 
 TouchSpace vtkPalpateSpaceFromCollection(
   vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller)
 {
   const auto gather = [&](const char* name)
-  { return vtkPalpateGatherPieces(FindBlock(collection, name), controller); };
+  { return vtkPalpateGatherPieces(PiecesOfBlock(collection, name), controller); };
   const vtkPalpatePieces surfaces = gather(BlockNames[1]);
   const vtkPalpatePieces allConfigurations = gather(BlockNames[2]);
   const vtkPalpatePieces allStates = gather(BlockNames[3]);

@@ -65,17 +65,11 @@ bool HasOneNode(const TouchSpace& space)
            [](const TouchToolSpace& toolSpace) { return !toolSpace.setup.presses(); }) == 1;
 }
 
-bool HasSeveralBodies(const TouchSpace& space)
-{
-  return std::any_of(space.tool_spaces.begin(), space.tool_spaces.end(),
-    [](const TouchToolSpace& toolSpace) { return toolSpace.setup.body != palpate::kFirstBody; });
-}
-
 /// Adds the bodies of the configurations or of the intermediate states.
 template <class ItemsOf>
 void AddBodyNumbers(const TouchSpace& space, vtkPointData* arrays, const ItemsOf& itemsOf)
 {
-  if (!HasSeveralBodies(space))
+  if (!space.has_other_bodies())
   {
     return;
   }
@@ -386,7 +380,7 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
         std::conditional_t<std::is_same_v<decltype(value), double>, vtkDoubleArray, vtkIntArray>;
       AddArray<Array>(fields, name, 1, count);
     });
-  if (HasSeveralBodies(space))
+  if (space.has_other_bodies())
   {
     auto* bodies = AddArray<vtkIdTypeArray>(fields, BodyNumbers, 1, count);
     auto* places = AddArray<vtkDoubleArray>(fields, MaterialPoints, 3, count);
@@ -415,13 +409,20 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
 
 }
 
-std::string vtkPalpateStateSpaceArrays::BlockName(
-  vtkPartitionedDataSetCollection* collection, unsigned int block)
+int vtkPalpateStateSpaceArrays::FindBlock(
+  vtkPartitionedDataSetCollection* collection, const std::string& name)
 {
-  const char* name = collection->HasMetaData(block)
-    ? collection->GetMetaData(block)->Get(vtkCompositeDataSet::NAME())
-    : nullptr;
-  return name ? name : "";
+  for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
+  {
+    const char* of = collection->HasMetaData(i)
+      ? collection->GetMetaData(i)->Get(vtkCompositeDataSet::NAME())
+      : nullptr;
+    if (of && name == of)
+    {
+      return static_cast<int>(i);
+    }
+  }
+  return -1;
 }
 
 void vtkPalpateNameBlocks(
@@ -475,14 +476,13 @@ void vtkPalpateFillCollection(const std::vector<palpate::SpaceBody>& bodies, Tou
   {
     output->SetPartition(3, 0, IntermediateStateData(space));
   }
-  for (unsigned int i = 0; i < output->GetNumberOfPartitionedDataSets(); ++i)
+  for (const palpate::SpaceBody& body : bodies)
   {
-    for (const palpate::SpaceBody& body : bodies)
+    const int block = FindBlock(output, BodyBlockName(body.number));
+    if (block >= 0)
     {
-      if (BlockName(output, i) == BodyBlockName(body.number))
-      {
-        output->SetPartition(i, 0, vtkPalpateGridFromScene(*body.scene, body.at_rest));
-      }
+      output->SetPartition(
+        static_cast<unsigned int>(block), 0, vtkPalpateGridFromScene(*body.scene, body.at_rest));
     }
   }
 }

@@ -24,8 +24,8 @@ constexpr const char* BodyNumber = "BodyNumber";
 constexpr const char* BodyNumbers = "BodyNumbers";
 constexpr const char* MaterialPoints = "MaterialPoints";
 
-/// The name of a block; empty if it has none.
-std::string BlockName(vtkPartitionedDataSetCollection* collection, unsigned int block);
+/// The number of the block of a name; -1: there is none.
+int FindBlock(vtkPartitionedDataSetCollection* collection, const std::string& name);
 
 /// The name of the block of a body: "Body", "Body2", … A selector of blocks knows no spaces.
 inline std::string BodyBlockName(palpate::BodyId body)

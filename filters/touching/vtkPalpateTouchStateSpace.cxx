@@ -90,8 +90,7 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node, palpate::B
   {
     nodes += ", …";
   }
-  const bool hasBodies = std::any_of(space.tool_spaces.begin(), space.tool_spaces.end(),
-    [](const TouchToolSpace& of) { return of.setup.body != palpate::kFirstBody; });
+  const bool hasBodies = space.has_other_bodies();
   const std::string notThere = "Active node " + std::to_string(node) + " is not " +
     (hasBodies ? "on body " + std::to_string(body) + " of" : "in") + " the state space, which has ";
   if (number == 0 && hasBodies)

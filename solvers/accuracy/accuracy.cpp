@@ -31,8 +31,7 @@ std::vector<ToolSpaceSetup> share_setups(const Scene& scene, const TouchSpace& s
     if (space.tool_spaces.empty()) {
       throw InputError("The state space has no active node. Compute it again.");
     }
-    const auto is_of_first = [](const TouchToolSpace& of) { return of.setup.body == kFirstBody; };
-    if (!std::all_of(space.tool_spaces.begin(), space.tool_spaces.end(), is_of_first)) {
+    if (space.has_other_bodies()) {
       throw InputError(
           "The state space has tool spaces on several bodies, and the accuracy is measured for a "
           "space of one body. Compute a space of one body to measure it.");

@@ -99,7 +99,7 @@ TouchSpace assemble(const std::vector<SpaceBody>& bodies, std::vector<ToolSpaceS
               [](const ToolSpaceSetup& a, const ToolSpaceSetup& b) { return a.key() < b.key(); });
     if (communicator.rank() != 0) return;
     shown.emplace(bodies);
-    space = make_empty_touch_space(bodies, shown->surface());
+    space = make_empty_touch_space(*shown);
   });
   const StateHolders holders = find_holders(whole, communicator);
   std::map<ToolSpaceKey, FieldBasis> bases;

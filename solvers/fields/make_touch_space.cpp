@@ -134,7 +134,7 @@ void reduce_and_add(const SpaceBody& body, const ShownSurface& shown, const Tool
 TouchSpace make_touch_space(const StateSpace& space, double bound) {
   validate_pod_bound(bound);
   const ShownSurface shown(space.bodies);
-  TouchSpace made = make_empty_touch_space(space.bodies, shown.surface());
+  TouchSpace made = make_empty_touch_space(shown);
   for (const ToolSpace& tool_space : space.tool_spaces) {
     const std::vector<ConfigurationSummary> summaries(tool_space.configurations.begin(),
                                                       tool_space.configurations.end());

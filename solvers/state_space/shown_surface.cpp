@@ -6,6 +6,7 @@
 #include "mesh/surface_tree.h"
 
 namespace palpate {
+namespace {
 
 Surface surface_at_rest(const SpaceBody& body) {
   Surface surface = make_surface(body.mesh());
@@ -14,6 +15,8 @@ Surface surface_at_rest(const SpaceBody& body) {
   }
   return surface;
 }
+
+}  // namespace
 
 const Surface& ShownSurface::surface_of(BodyId body) const {
   const auto known = surfaces_.find(body);

@@ -14,15 +14,13 @@
 
 namespace palpate {
 
-/// The surface of a body at rest.
-[[nodiscard]] Surface surface_at_rest(const SpaceBody& body);
-
 class ShownSurface {
  public:
   /// @param bodies In the order of their numbers, one at least. They must outlive this object.
   explicit ShownSurface(const std::vector<SpaceBody>& bodies) : bodies_(bodies) {}
   explicit ShownSurface(std::vector<SpaceBody>&&) = delete;
 
+  [[nodiscard]] const std::vector<SpaceBody>& bodies() const { return bodies_; }
   [[nodiscard]] const Surface& surface() const { return surface_of(kFirstBody); }
   /// The surface of a body at rest. It is made when it is first asked for.
   [[nodiscard]] const Surface& surface_of(BodyId body) const;

@@ -28,8 +28,5 @@ struct ToolSpaceKey {
 [[nodiscard]] inline bool operator==(const ToolSpaceKey& a, const ToolSpaceKey& b) {
   return a.body == b.body && a.id == b.id;
 }
-[[nodiscard]] inline bool operator!=(const ToolSpaceKey& a, const ToolSpaceKey& b) {
-  return !(a == b);
-}
 
 }  // namespace palpate

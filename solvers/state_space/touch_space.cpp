@@ -40,16 +40,17 @@ const TouchToolSpace* TouchSpace::find_pressing() const {
   return found != tool_spaces.end() ? &*found : nullptr;
 }
 
-TouchSpace make_empty_touch_space(const std::vector<SpaceBody>& bodies) {
-  return make_empty_touch_space(bodies, surface_at_rest(bodies.front()));
+bool TouchSpace::has_other_bodies() const {
+  return std::any_of(tool_spaces.begin(), tool_spaces.end(),
+                     [](const TouchToolSpace& space) { return space.setup.body != kFirstBody; });
 }
 
-TouchSpace make_empty_touch_space(const std::vector<SpaceBody>& bodies, const Surface& surface) {
+TouchSpace make_empty_touch_space(const ShownSurface& shown) {
   TouchSpace space;
   std::vector<std::string> hashes;
-  for (const SpaceBody& body : bodies) hashes.push_back(body.hash);
+  for (const SpaceBody& body : shown.bodies()) hashes.push_back(body.hash);
   space.scene_hash = join_hashes(hashes);
-  space.surface = surface;
+  space.surface = shown.surface();
   return space;
 }
 

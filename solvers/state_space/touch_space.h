@@ -16,6 +16,7 @@
 
 namespace palpate {
 
+class ShownSurface;
 class ToolClearance;
 
 /// How far the tool at coordinates q [3], m, may be moved in any direction without touching the
@@ -73,13 +74,11 @@ struct TouchSpace {
   /// The tool space whose tool presses the body anywhere, or nullptr. A space may have several:
   /// haptic rendering and display use the first one by its key, which this function returns.
   [[nodiscard]] const TouchToolSpace* find_pressing() const;
+  /// Whether a tool space stands on another body than the first.
+  [[nodiscard]] bool has_other_bodies() const;
 };
 
-/// The touch space of some bodies, without tool spaces yet.
-/// @param bodies In the order of their numbers, one at least.
-/// @param surface The surface that is shown, if it was made already.
-[[nodiscard]] TouchSpace make_empty_touch_space(const std::vector<SpaceBody>& bodies);
-[[nodiscard]] TouchSpace make_empty_touch_space(const std::vector<SpaceBody>& bodies,
-                                                const Surface& surface);
+/// The touch space of the bodies that carry a surface, without tool spaces yet.
+[[nodiscard]] TouchSpace make_empty_touch_space(const ShownSurface& shown);
 
 }  // namespace palpate

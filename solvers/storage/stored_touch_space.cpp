@@ -37,7 +37,7 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
   validate_pod_bound(bound);
   const std::vector<SpaceBody> bodies = file.read_bodies();
   const ShownSurface shown(bodies);
-  TouchSpace space = make_empty_touch_space(bodies, shown.surface());
+  TouchSpace space = make_empty_touch_space(shown);
   std::vector<std::string> without_fields;
   for (const ToolSpace& tool_space : file.read_tool_spaces()) {
     const ToolSpaceKey key = tool_space.setup.key();
@@ -94,7 +94,7 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
 TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
   const std::vector<SpaceBody> bodies = file.read_bodies();
   const ShownSurface shown(bodies);
-  TouchSpace space = make_empty_touch_space(bodies, shown.surface());
+  TouchSpace space = make_empty_touch_space(shown);
   space.file = file.path().string();
   for (const ToolSpace& from : file.read_tool_spaces()) {
     const ToolSpaceKey key = from.setup.key();

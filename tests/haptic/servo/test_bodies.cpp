@@ -12,10 +12,9 @@
 
 #include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
-#include "haptic/servo/servo.h"
 #include "haptic/support/moved_tool.h"
+#include "haptic/support/simulated_servo.h"
 #include "haptic/touching/body_touch.h"
-#include "haptic/transport/simulated_board.h"
 #include "interaction/bonded_patch.h"
 #include "solvers/support/block.h"
 
@@ -103,35 +102,25 @@ class Alternating final : public Motion {
 TEST_F(TwoMeshes, AServoTouchesOneAfterTheOther) {
   const Vec3 first = place(coarse_, coarse_.corner);
   const Vec3 second = place(fine_, fine_.middle);
-  const auto clock = std::make_shared<MonotonicClock>();
-  auto simulated = std::make_unique<SimulatedBoard>(
-      clock, std::make_shared<Alternating>(std::array<Vec3, 2>{Vec3::Zero(), second - first},
-                                           std::array<Vec3, 2>{inward(first), inward(second)}));
-  SimulatedBoard& board = *simulated;
-  ServoOptions options;
-  // A machine that is busy with other tests may take its time.
-  options.stop_timeout = 60s;
-  options.release_after = 60s;
-  Servo servo(std::move(simulated), make_profile(ProfileKind::palpate_report, board.feature()),
-              clock, options);
-  ServoSettings settings;
-  settings.workspace_centre = first;
-  servo.set_settings(settings);
-  servo.set_touch(make_touch(body_));
-  servo.start();
+  const auto servo = test::make_simulated_servo(
+      std::make_shared<Alternating>(std::array<Vec3, 2>{Vec3::Zero(), second - first},
+                                    std::array<Vec3, 2>{inward(first), inward(second)}),
+      first);
+  servo->set_touch(make_touch(body_));
+  servo->start();
   std::set<BodyId> held;
   const auto end = std::chrono::steady_clock::now() + 30s;
   while (held.size() < 2 && std::chrono::steady_clock::now() < end) {
-    const Contact contact = servo.latest().contact;
+    const Contact contact = servo->latest().contact;
     if (contact.status == ContactStatus::attached) {
       held.insert(contact.bodies[0]);
       EXPECT_EQ(contact.nodes[0], contact.bodies[0] == kFirstBody ? coarse_.corner : fine_.middle);
     }
     std::this_thread::sleep_for(1ms);
   }
-  EXPECT_TRUE(servo.stop());
+  EXPECT_TRUE(servo->stop());
   EXPECT_EQ(held, (std::set<BodyId>{kFirstBody, kSecond}));
-  EXPECT_EQ(servo.statistics().not_finite, 0U);
+  EXPECT_EQ(servo->statistics().not_finite, 0U);
 }
 
 }  // namespace

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "exploration/precompute.h"
-#include "haptic/servo/servo.h"
+#include "haptic/support/simulated_servo.h"
 #include "haptic/touching/body_touch.h"
-#include "haptic/transport/simulated_board.h"
 #include "solvers/support/block.h"
+#include "state_space/shown_surface.h"
 
 namespace palpate::test::test_growing {
 namespace {
@@ -47,6 +47,10 @@ struct Growing {
   [[nodiscard]] Vec3 place() const {
     return block.scene.body.mesh.points[static_cast<std::size_t>(block.middle)];
   }
+  [[nodiscard]] TouchSpace empty() const {
+    const std::vector<SpaceBody> bodies = {make_space_body(block.scene)};
+    return make_empty_touch_space(ShownSurface(bodies));
+  }
   [[nodiscard]] TouchSpace whole() const {
     return precompute(block.scene, options, *communicator, {}).space;
   }
@@ -73,20 +77,8 @@ void expect_same_forces(const Touchable& a, const Touchable& b, double half_widt
 
 TEST(Growing, AServoTouchesASpaceThatIsSteeredByTheHand) {
   Growing growing;
-  const auto clock = std::make_shared<MonotonicClock>();
-  auto simulated = std::make_unique<SimulatedBoard>(clock, std::make_shared<Pumping>());
-  SimulatedBoard& board = *simulated;
-  ServoOptions servo_options;
-  // A machine that is busy with other tests may take its time.
-  servo_options.stop_timeout = 60s;
-  servo_options.release_after = 60s;
-  Servo servo(std::move(simulated), make_profile(ProfileKind::palpate_report, board.feature()),
-              clock, servo_options);
-  ServoSettings settings;
-  settings.workspace_centre = growing.place();
-  servo.set_settings(settings);
-
-  TouchSpace space = make_empty_touch_space({make_space_body(growing.block.scene)});
+  const auto servo = test::make_simulated_servo(std::make_shared<Pumping>(), growing.place());
+  TouchSpace space = growing.empty();
   std::shared_ptr<const Touchable> body;
   int num_bodies = 0;
   const TakeChunk take_chunk = [&](const SpaceChunk& chunk) {
@@ -94,14 +86,14 @@ TEST(Growing, AServoTouchesASpaceThatIsSteeredByTheHand) {
     body = body == nullptr ? std::make_shared<const Touchable>(space)
                            : std::make_shared<const Touchable>(*body, space, chunk);
     ++num_bodies;
-    servo.set_touch(make_touch(body));
+    servo->set_touch(make_touch(body));
   };
   const auto session = begin_exploration(
       {{std::make_shared<const Scene>(growing.block.scene), growing.options.active_nodes}},
       growing.options, *growing.communicator, {}, take_chunk);
-  servo.start();
+  servo->start();
   const auto steer_to_hand = [&] {
-    const Vec3 hand = servo.latest().position - growing.place();
+    const Vec3 hand = servo->latest().position - growing.place();
     session->steer({{{{growing.block.middle}, {hand}, {}}, {{growing.block.corner}, {}, {}}}});
   };
   const auto after_ten = [first = std::int64_t{-1}](const ProgressState& state) mutable {
@@ -115,10 +107,10 @@ TEST(Growing, AServoTouchesASpaceThatIsSteeredByTheHand) {
   EXPECT_GT(num_bodies, 20);
 
   // The loop goes on with the whole space.
-  const std::uint64_t ticks = servo.statistics().ticks;
-  while (servo.statistics().ticks < ticks + 10) std::this_thread::sleep_for(1ms);
-  EXPECT_TRUE(servo.stop());
-  const Statistics statistics = servo.statistics();
+  const std::uint64_t ticks = servo->statistics().ticks;
+  while (servo->statistics().ticks < ticks + 10) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(servo->stop());
+  const Statistics statistics = servo->statistics();
   EXPECT_EQ(statistics.not_finite, 0u);
   EXPECT_EQ(statistics.trips_by_body, 0u);
   EXPECT_EQ(statistics.bad_reports, 0u);
@@ -129,7 +121,7 @@ TEST(Growing, AServoTouchesASpaceThatIsSteeredByTheHand) {
 
 TEST(Growing, ABodySharesWhatAChunkLeavesAsItWas) {
   Growing growing;
-  TouchSpace space = make_empty_touch_space({make_space_body(growing.block.scene)});
+  TouchSpace space = growing.empty();
   std::vector<SpaceChunk> chunks;
   const auto session = begin_exploration(
       {{std::make_shared<const Scene>(growing.block.scene), growing.options.active_nodes}},

@@ -18,6 +18,7 @@
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
 #include "solvers/exploration/equal_spaces.h"
+#include "solvers/exploration/pressed_corner.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
 #include "solvers/support/message_of.h"
@@ -31,6 +32,7 @@ namespace palpate::test::test_bodies_of_run {
 namespace {
 
 using test::expect_equal;
+using test::press_corner_of_block;
 
 constexpr BodyId kSecond = 2;
 
@@ -62,17 +64,6 @@ class BodiesOfRun : public testing::Test {
     for (Block* block : {&coarse_, &fine_}) {
       block->scene = with_gravity(block->scene, {rheology}, Vec3(1, 0, -9.81));
     }
-  }
-
-  /// Both bodies are pressed by a ball, and not held.
-  void press() {
-    options_.contact.emplace();
-    options_.contact->tool.radius = 0.015;
-    options_.contact->spacing = 0.0075;
-    options_.contact->shell.depth = 0.004;
-    options_.contact->shell.region = [](const Vec3& place) {
-      return place.x() > 0.085 && place.z() > 0.04;
-    };
   }
 
   /// What a space has of one body is what a run on that body alone finds, but for its number.
@@ -190,7 +181,7 @@ TEST_F(BodiesOfRun, EachHasTheSpaceOfARunOnItAlone) {
 TEST_F(BodiesOfRun, ARigidToolPressesBothInRounds) {
   coarse_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {3, 2, 2}});
   fine_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {4, 3, 3}});
-  press();
+  press_corner_of_block(options_);
   options_.contact->spacing = 0.01;
   options_.tolerance = 0.1;
   const PrecomputeResult result = run();
@@ -226,7 +217,7 @@ TEST_F(BodiesOfRun, ABodyWithoutNodesHasNoneWhereAnotherHas) {
   of[0].active_nodes.clear();
   const PrecomputeResult nodes = run(of, *world_);
   EXPECT_EQ(nodes.report.num_solved, 27);
-  press();
+  press_corner_of_block(options_);
   const PrecomputeResult both = run(of, *world_);
   EXPECT_TRUE(both.report.complete);
   if (world_->rank() != 0) return;
@@ -354,8 +345,9 @@ TEST_F(BodiesOfRun, AreOfOneOrgan) {
 }
 
 TEST_F(BodiesOfRun, GrowInChunks) {
-  TouchSpace taken = make_empty_touch_space(
-      {make_space_body(coarse_.scene), numbered(make_space_body(fine_.scene), kSecond)});
+  const std::vector<SpaceBody> both = {make_space_body(coarse_.scene),
+                                       numbered(make_space_body(fine_.scene), kSecond)};
+  TouchSpace taken = make_empty_touch_space(ShownSurface(both));
   const auto session = begin_exploration(bodies(), options_, *world_, {},
                                          [&](const SpaceChunk& chunk) { take(chunk, taken); });
   while (session->run([](const ProgressState& state) { return state.num_solved % 20 == 19; }) ==

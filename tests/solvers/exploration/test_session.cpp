@@ -7,15 +7,18 @@
 
 #include "exploration/precompute.h"
 #include "solvers/exploration/equal_spaces.h"
+#include "solvers/exploration/pressed_corner.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
 #include "solvers/support/world_folder.h"
+#include "state_space/shown_surface.h"
 #include "storage/state_space_file.h"
 
 namespace palpate::test::test_session {
 namespace {
 
 using test::expect_equal;
+using test::press_corner_of_block;
 using State = ExplorationSession::State;
 
 class Session : public testing::Test {
@@ -26,17 +29,6 @@ class Session : public testing::Test {
     options_.resolution = 5;
     options_.history = History::flat;
     options_.keep = Keep::all;
-  }
-
-  void press_with_a_sphere() {
-    options_.active_nodes.clear();
-    options_.contact.emplace();
-    options_.contact->tool.radius = 0.015;
-    options_.contact->spacing = 0.0075;
-    options_.contact->shell.depth = 0.004;
-    options_.contact->shell.region = [](const Vec3& place) {
-      return place.x() > 0.085 && place.z() > 0.04;
-    };
   }
 
   [[nodiscard]] std::unique_ptr<ExplorationSession> begin() {
@@ -71,7 +63,8 @@ class Session : public testing::Test {
   Progress progress_;
   TakeChunk take_chunk_;
   /// On rank 0: what chunks have made.
-  TouchSpace taken_ = make_empty_touch_space({make_space_body(block_.scene)});
+  std::vector<SpaceBody> bodies_ = {make_space_body(block_.scene)};
+  TouchSpace taken_ = make_empty_touch_space(ShownSurface(bodies_));
   std::int64_t num_chunks_ = 0;
 
   void take_chunks() {
@@ -160,7 +153,7 @@ TEST_F(Session, SteeringWhileItRunsChangesNoBit) {
 }
 
 TEST_F(Session, ARigidToolIsSteeredOverTheBody) {
-  press_with_a_sphere();
+  press_corner_of_block(options_);
   const auto session = begin();
   Vec3 goal(0.1, 0, 0.05);
   do {
@@ -228,7 +221,7 @@ TEST_F(Session, ChunksMakeTheSpace) {
 }
 
 TEST_F(Session, ChunksMakeTheSpaceOfARigidToolToTheBit) {
-  press_with_a_sphere();
+  press_corner_of_block(options_);
   options_.file = folder_ / "a.palpate";
   {
     const auto session = begin();

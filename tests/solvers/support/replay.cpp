@@ -120,7 +120,9 @@ class ReplaySolver final : public StateSolver {
 
   /// As the solver, which keeps the factors of one tool space.
   void take(ToolSpaceKey tool_space) {
-    if (std::exchange(taken_, tool_space) != tool_space) factors_.clear();
+    if (tool_space == taken_) return;
+    taken_ = tool_space;
+    factors_.clear();
   }
 
   [[nodiscard]] CheckPoint check_point(const Eigen::VectorXd& t) const {

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A ball that presses the block of block.h at the upper edge of its far end.
+#pragma once
+
+#include "exploration/precompute.h"
+
+namespace palpate::test {
+
+/// The space has no active nodes then.
+inline void press_corner_of_block(PrecomputeOptions& options) {
+  options.active_nodes.clear();
+  options.contact.emplace();
+  options.contact->tool.radius = 0.015;
+  options.contact->spacing = 0.0075;
+  options.contact->shell.depth = 0.004;
+  options.contact->shell.region = [](const Vec3& place) {
+    return place.x() > 0.085 && place.z() > 0.04;
+  };
+}
+
+}  // namespace palpate::test
