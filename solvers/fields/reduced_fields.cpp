@@ -95,10 +95,10 @@ void drop_zero_modes(Eigen::Index given, PodFit& fit, RoundedModes& rounded) {
     if (m < given || !rounded.modes.col(m).isZero(0)) kept.push_back(m);
   }
   if (static_cast<Eigen::Index>(kept.size()) == rounded.modes.cols()) return;
-  rounded.modes = rounded.modes(Eigen::all, kept).eval();
+  rounded.modes = rounded.modes(Eigen::seqN(0, rounded.modes.rows()), kept).eval();
   rounded.steps = rounded.steps(kept).eval();
-  fit.bound = fit.bound(kept, Eigen::all).eval();
-  fit.following = fit.following(kept, Eigen::all).eval();
+  fit.bound = fit.bound(kept, Eigen::seqN(0, fit.bound.cols())).eval();
+  fit.following = fit.following(kept, Eigen::seqN(0, fit.following.cols())).eval();
 }
 
 /// Displacements, or pressures: a field f and g = step · ∂f/∂t.

@@ -568,7 +568,8 @@ TEST(SharedWalls, DoubledPointsAndTrianglesWithoutAnArea) {
   // On the rim of the wall: one of its edges has a point in its middle in one tissue alone.
   auto spoilt = vtkSmartPointer<vtkPolyData>::New();
   spoilt->DeepCopy(upper);
-  const vtkIdType a = spoilt->FindPoint(0, 0, 1), b = spoilt->FindPoint(2, 0, 1);
+  double placeOfA[] = {0, 0, 1}, placeOfB[] = {2, 0, 1};
+  const vtkIdType a = spoilt->FindPoint(placeOfA), b = spoilt->FindPoint(placeOfB);
   const vtkIdType middle = spoilt->GetPoints()->InsertNextPoint(1, 0, 1);
   vtkNew<vtkCellArray> triangles;
   int split = 0;

@@ -197,6 +197,8 @@ TEST_F(BodiesOfRun, ARigidToolPressesBothInRounds) {
   options_.expects = [&](const ExplorationEstimate& estimate) {
     expected.push_back(estimate.num_configurations);
   };
+  // It is told before anything is solved for.
+  progress_ = [](const ProgressState& /*state*/) { return false; };
   for (const std::vector<BodyOfRun>& of :
        {std::vector{of_run(coarse_)}, std::vector{of_run(fine_)}, bodies()}) {
     (void)run(of, *world_);
