@@ -11,14 +11,9 @@
 #include <string>
 
 #include "equilibrium/equilibrium.h"
+#include "filters/scene/read_body.h"
 #include "interaction/rigid_capsule.h"
 #include "interaction/rigid_contact.h"
-#include "vtkDataArray.h"
-#include "vtkNew.h"
-#include "vtkPalpateScene.h"
-#include "vtkPointData.h"
-#include "vtkUnstructuredGrid.h"
-#include "vtkXMLUnstructuredGridReader.h"
 
 namespace {
 using palpate::Equilibrium;
@@ -39,18 +34,9 @@ Vec3 Vector(const nlohmann::json& numbers) {
 }
 
 Scene SceneOf(const nlohmann::json& reference) {
-  vtkNew<vtkXMLUnstructuredGridReader> reader;
   const std::string file = reference.at("scene");
-  reader->SetFileName((std::string(PALPATE_SHARED_DATA) + "/" + file).c_str());
-  reader->Update();
-  vtkUnstructuredGrid* grid = reader->GetOutput();
   Scene scene;
-  scene.body.mesh = vtkPalpateMeshFromGrid(grid);
-  vtkDataArray* fixed = grid->GetPointData()->GetArray(vtkPalpateArray::Fixed);
-  for (vtkIdType p = 0; p < fixed->GetNumberOfTuples(); ++p) {
-    scene.body.fixed.push_back(fixed->GetTuple1(p) != 0 ? 1 : 0);
-  }
-  scene.body.touchable = vtkPalpateTouchableSurface(scene.body.mesh, scene.body.fixed);
+  scene.body = ReadBody(std::string(PALPATE_SHARED_DATA) + "/" + file);
   EXPECT_EQ(reference.at("law"), "Neo-Hookean");
   scene.organ.materials = {palpate::make_isotropic(
       palpate::Law::neo_hookean, reference.at("YoungsModulus"), reference.at("PoissonsRatio"))};
