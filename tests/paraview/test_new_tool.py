@@ -55,7 +55,9 @@ def test_lists(boundary):
                         (PrecomputeStateSpace(Input=boundary), "Bonded node"),
                         (SolveDynamics(Input=boundary), "None")):
         tools = list(proxy.GetProperty("Tool").Available)
-        assert tools[0] == none and sorted(tools[1:]) == ["Capsule", "Ring", "Sphere", "Surface"]
+        # Later versions of ParaView leave out the spaces for Python.
+        assert tools[0] in (none, none.replace(" ", "")), tools
+        assert sorted(tools[1:]) == ["Capsule", "Ring", "Sphere", "Surface"], tools
         proxy.Tool = "Ring"
         assert proxy.Tool.RingRadius == 0.02
         assert proxy.Tool.Motion.GetXMLName() == "Translated"

@@ -23,7 +23,7 @@ VOXEL = 8.0  # mm
 # Of the spaces of a rigid tool, which take longest, the radius of the part of the surface that they
 # are of: smaller than in the state, and the tool of the state still presses it. m
 REGION = {"brain": 0.004, "nodule": 0.003, "palpation": 0.006}
-EDGE = 0.08  # of the tetrahedra of the egg, m
+EDGE = 0.05  # of the tetrahedra of the egg, m
 # Points at which the accuracy of a space is measured.
 TEST_POINTS = 8
 INSIDE = 1
