@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "assembly/piece_support.h"
 #include "assembly/supports.h"
 #include "base/error.h"
 #include "base/memory_error.h"
+#include "discretisation/mesh_error_estimate.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/solve_cost.h"
 #include "equilibrium/tangent_solver.h"
@@ -329,6 +331,32 @@ void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene, const R
   }
 }
 
+void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene, const Route& route,
+  const palpate::EquilibriumSolver& solver, const palpate::Equilibrium& state,
+  vtkUnstructuredGrid* output)
+{
+  const palpate::MeshErrorEstimator estimator(scene, solver.assembly());
+  const palpate::MeshErrorEstimate estimate = estimator.estimate(state);
+  const bool holdsPoints = !route.Contact && this->TipRadius == 0;
+  const bool isReliable = estimate.is_reliable && !holdsPoints;
+  vtkPalpateAddField<vtkDoubleArray>(output, "MeshError", 3, estimate.force);
+  vtkPalpateAddInteger(output, "MeshErrorReliable", isReliable ? 1 : 0);
+  AddCells(output, "MeshErrorEnergy", estimator.energy_of_cells(state));
+  if (isReliable)
+  {
+    return;
+  }
+  vtkPalpateWarn(this,
+    std::string("The estimate of the error of the mesh (MeshError) cannot be trusted. ") +
+      (holdsPoints
+          ? "The force that holds a single point tends to 0 as the cells become smaller, so that "
+            "all of it is that error. Give the tool a TipRadius."
+          : "It is made for quadratic cells of a Poisson's ratio up to 0.45, and for cells that "
+            "are not too large for what the tool does to them. Choose quadratic cells where the "
+            "body is meshed (ElementOrder), or mesh it more finely where MeshErrorEnergy is "
+            "large."));
+}
+
 void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route& route,
   std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output)
 {
@@ -378,6 +406,11 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route&
   {
     this->AddContact(scene, route, state, output);
   }
+  // A body that finds no rest has no sensitivity.
+  if (this->EstimateMeshError && state.v.size() > 0)
+  {
+    this->AddMeshError(scene, route, solver, state, output);
+  }
   if (!state.summary.folds.empty())
   {
     AddFolds(output, state.summary.folds);
@@ -405,6 +438,7 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
      << this->ToolPosition[2] << " m\n"
      << indent << "Increments: " << this->Increments << '\n'
      << indent << "EstimateCondition: " << this->EstimateCondition << '\n'
+     << indent << "EstimateMeshError: " << this->EstimateMeshError << '\n'
      << indent << "Stress: " << this->Stress << '\n'
      << indent << "Estimate: " << this->Estimate << '\n';
 }

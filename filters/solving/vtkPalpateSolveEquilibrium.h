@@ -16,6 +16,9 @@
  *   `NegativePivots`  see solvers/equilibrium/state.h
  *   `LowestEigenvalue` only where there was no factor: of the tangent, N/m
  *   `Condition`       only where it is asked for: of the tangent, estimated
+ *   `MeshError`       only where it is asked for: by how much ReactionForce is too large because of
+ *                     the size of the cells, estimated, N; a tuple an active node
+ *   `MeshErrorReliable` with it: 1, or 0 where the estimate cannot be trusted
  *   `Folds`           only where folds were passed: a tuple a fold, `Way` (share of the way),
  *                     `EnergyBefore`, `EnergyAfter` (J), `ForceBefore`, `ForceAfter` (N, the norm
  * of all reactions); After is NaN where the path does not come by that place again
@@ -28,7 +31,8 @@
  *
  * with a rigid tool the point array `ContactPressure` (Pa), and the cell array `MinimumDetF`, the
  * least det F of each cell; where they are asked for also the cell and point arrays of
- * vtkPalpateStress.h.
+ * vtkPalpateStress.h, and the cell array `MeshErrorEnergy` (J), see
+ * solvers/discretisation/mesh_error_estimate.h.
  *
  * A solve that does not converge is a result, not an error: Outcome is not 0, and all values belong
  * to the last equilibrium on the way.
@@ -80,6 +84,12 @@ public:
   vtkBooleanMacro(EstimateCondition, bool);
   ///@}
   ///@{
+  /// Whether the error of the mesh is estimated.
+  vtkSetMacro(EstimateMeshError, bool);
+  vtkGetMacro(EstimateMeshError, bool);
+  vtkBooleanMacro(EstimateMeshError, bool);
+  ///@}
+  ///@{
   /// Whether stress and stretches are given.
   vtkSetMacro(Stress, bool);
   vtkGetMacro(Stress, bool);
@@ -112,6 +122,9 @@ private:
     palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const;
   void AddContact(const palpate::Scene& scene, const Route& route,
     const palpate::Equilibrium& state, vtkUnstructuredGrid* output);
+  void AddMeshError(const palpate::Scene& scene, const Route& route,
+    const palpate::EquilibriumSolver& solver, const palpate::Equilibrium& state,
+    vtkUnstructuredGrid* output);
   void Solve(const palpate::Scene& scene, const Route& route,
     std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output);
 
@@ -119,6 +132,7 @@ private:
   double ToolPosition[3] = { 0, 0, 0 };
   int Increments = 1;
   bool EstimateCondition = false;
+  bool EstimateMeshError = false;
   bool Stress = false;
   std::string Estimate;
   vtkPalpateSolveCost Cost;

@@ -596,6 +596,20 @@ Eigen::MatrixXd Assembly::stress_sums(const NodalVector& state) const {
   return of_cells;
 }
 
+std::vector<Index> Assembly::pressures_of_corners() const {
+  std::vector<Index> pressures(4 * static_cast<std::size_t>(data_->num_cells), -1);
+  for (const ElementGroup& group : data_->groups) {
+    for (std::size_t i = 0; i < group.pressures.size(); ++i) {
+      const std::size_t packet = i / (4 * kPacketSize);
+      const std::size_t corner = i / kPacketSize % 4;
+      const Index cell = group.cells[packet * kPacketSize + i % kPacketSize];
+      pressures[4 * static_cast<std::size_t>(cell) + corner] =
+          group.pressures[i] - 3 * data_->num_points;
+    }
+  }
+  return pressures;
+}
+
 std::vector<std::vector<Index>> Assembly::cells_of_groups() const {
   std::vector<std::vector<Index>> cells;
   for (const ElementGroup& group : data_->groups) cells.push_back(group.cells);

@@ -54,6 +54,9 @@ class Assembly {
   [[nodiscard]] Index num_pressures() const;
   /// The length of a state: 3 num_points + num_pressures.
   [[nodiscard]] Index state_size() const;
+  /// The number of the pressure at each corner of each cell; −1 where the cell is not mixed
+  /// [num_cells × 4].
+  [[nodiscard]] std::vector<Index> pressures_of_corners() const;
   /// The scale s of each pressure, Pa/m [num_pressures].
   [[nodiscard]] const std::vector<double>& pressure_scale() const;
   /// Whether every material is linear, so that K does not depend on u.

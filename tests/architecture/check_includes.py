@@ -63,9 +63,9 @@ class Unit(NamedTuple):
 
 # The parts of solvers/ in order: each may include those before it.
 SOLVER_PARTS = ["base", "threads", "mesh", "materials", "reduced", "elements", "assembly",
-                "interaction", "linear", "iterative", "equilibrium", "dynamics",
-                "state_space", "fields", "interpolation", "storage", "schedule", "exploration",
-                "reduction", "accuracy"]
+                "interaction", "linear", "iterative", "equilibrium", "discretisation",
+                "dynamics", "state_space", "fields", "interpolation", "storage", "schedule",
+                "exploration", "reduction", "accuracy"]
 
 
 def solver_units():

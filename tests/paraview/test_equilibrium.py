@@ -86,6 +86,32 @@ def test_condition():
     assert 1e2 < conditions[0] < 1e6 and 1e2 < conditions[1] / conditions[0] < 1e6, conditions
 
 
+def test_mesh_error():
+    """It is not computed by default, and that of a single point is not trusted."""
+    boundary = scene("mesh_error", "Neo-Hookean")
+    node, way = node_at(boundary, [0.2, 0.05, 0.05]), [0.01, 0.005, 0]
+    without = solve(boundary, [node], way, TipRadius=0.05)
+    for arrays, name in ((without.GetFieldData(), "MeshError"),
+                         (without.GetCellData(), "MeshErrorEnergy")):
+        assert not arrays.HasArray(name), name
+    after = solve(boundary, [node], way, TipRadius=0.05, EstimateMeshError=1)
+    error, force = field(after, "MeshError")[0], field(after, "ReactionForce")[0]
+    assert (force == field(without, "ReactionForce")[0]).all()
+    assert field(after, "MeshErrorReliable")[0] == 1
+    # The mesh is too stiff.
+    assert 1e-3 < error @ force / (force @ force) < 0.5, (error, force)
+    of_cells = cell_array(after, "MeshErrorEnergy")
+    assert of_cells.shape == (after.GetNumberOfCells(),) and (of_cells >= 0).all()
+    assert 1e-3 < of_cells.sum() / field(after, "Energy")[0] < 0.5
+
+    equilibrium = SolveEquilibrium(Input=boundary, ActiveNodes=[node], Displacement=way,
+                                   EstimateMeshError=1)
+    with Messages() as messages:
+        point = fetch(equilibrium)
+    assert "TipRadius" in messages.text and "single point" in messages.text, messages.text
+    assert field(point, "MeshErrorReliable")[0] == 0
+
+
 def test_increments():
     """The same equilibrium in one step and in many."""
     boundary = scene("increments", "Mooney-Rivlin")
