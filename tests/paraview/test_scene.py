@@ -98,10 +98,9 @@ def test_every_property(body):
             "Tolerance": 1e-8, "MaximumIterations": 20, "MaximumSeconds": 5.0, "Threads": 2,
             "Increments": 2, "EstimateCondition": 1, "EstimateMeshError": 1,
             "GroupUnknowns": 100, "LinearSolver": "Automatic", "Stress": 1, "Tool": "Capsule",
-            "ToolRadius": 0.02,
-            "ToolAxis": [0.0, 1.0, 0.0], "ToolLength": 0.05, "ToolPosition": [0.1, 0.2, 0.3],
-            "ToolSurface": sphere, "ContactThickness": 0.003, "ContactStiffness": 5e3,
-            "BodyForce": [0.0, 1.0, -9.0]},
+            "ToolRadius": 0.02, "ToolAxis": [0.0, 1.0, 0.0], "ToolLength": 0.05,
+            "ToolPosition": [0.1, 0.2, 0.3], "ToolSurface": sphere, "ContactThickness": 0.003,
+            "ContactStiffness": 5e3, "BodyForce": [0.0, 1.0, -9.0]},
     }
     for proxy, values in settings.items():
         filtered = proxy(Input=body, **values)
