@@ -335,13 +335,13 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene, const
   const palpate::EquilibriumSolver& solver, const palpate::Equilibrium& state,
   vtkUnstructuredGrid* output)
 {
-  const palpate::MeshErrorEstimator estimator(scene, solver.assembly());
-  const palpate::MeshErrorEstimate estimate = estimator.estimate(state);
+  const palpate::MeshErrorEstimate estimate =
+    palpate::MeshErrorEstimator(scene, solver.assembly()).estimate(state);
   const bool holdsPoints = !route.Contact && this->TipRadius == 0;
   const bool isReliable = estimate.is_reliable && !holdsPoints;
   vtkPalpateAddField<vtkDoubleArray>(output, "MeshError", 3, estimate.force);
   vtkPalpateAddInteger(output, "MeshErrorReliable", isReliable ? 1 : 0);
-  AddCells(output, "MeshErrorEnergy", estimator.energy_of_cells(state));
+  AddCells(output, "MeshErrorEnergy", estimate.energy_of_cells);
   if (isReliable)
   {
     return;

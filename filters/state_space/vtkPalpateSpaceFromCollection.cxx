@@ -349,24 +349,21 @@ void ReadIntermediateStates(vtkDataSet* data, TouchSpace& space)
   }
 }
 
-/// The partitions on this rank of the block of a name that have points.
+/// The partitions on this rank of the blocks of a name that have points.
 template <class Data = vtkPointSet>
-std::vector<vtkSmartPointer<Data>> PiecesOfBlock(
+std::vector<vtkSmartPointer<Data>> PiecesOfBlocks(
   vtkPartitionedDataSetCollection* collection, const std::string& name)
 {
   std::vector<vtkSmartPointer<Data>> pieces;
-  const int found = FindBlock(collection, name);
-  if (found < 0)
+  for (const unsigned int block : FindBlocks(collection, name))
   {
-    return pieces;
-  }
-  const auto block = static_cast<unsigned int>(found);
-  for (unsigned int p = 0; p < collection->GetNumberOfPartitions(block); ++p)
-  {
-    auto* data = Data::SafeDownCast(collection->GetPartitionAsDataObject(block, p));
-    if (data && data->GetNumberOfPoints() > 0)
+    for (unsigned int p = 0; p < collection->GetNumberOfPartitions(block); ++p)
     {
-      pieces.emplace_back(data);
+      auto* data = Data::SafeDownCast(collection->GetPartitionAsDataObject(block, p));
+      if (data && data->GetNumberOfPoints() > 0)
+      {
+        pieces.emplace_back(data);
+      }
     }
   }
   return pieces;
@@ -411,7 +408,7 @@ std::vector<vtkSmartPointer<vtkUnstructuredGrid>> GatherBodies(
   do
   {
     bodies.push_back(vtkPalpateGatherBody(vtkPalpateBody(collection, number), controller));
-  } while (FindBlock(collection, BodyBlockName(++number)) >= 0);
+  } while (!FindBlocks(collection, BodyBlockName(++number)).empty());
   return bodies;
 }
 
@@ -444,20 +441,20 @@ vtkSmartPointer<vtkDataSet> Join(
 
 vtkPalpatePieces vtkPalpateBody(vtkPartitionedDataSetCollection* collection, palpate::BodyId body)
 {
-  return PiecesOfBlock(collection, BodyBlockName(body));
+  return PiecesOfBlocks(collection, BodyBlockName(body));
 }
 
 std::vector<vtkSmartPointer<vtkDataSet>> vtkPalpateConfigurations(
   vtkPartitionedDataSetCollection* collection)
 {
-  return PiecesOfBlock<vtkDataSet>(collection, BlockNames[2]);
+  return PiecesOfBlocks<vtkDataSet>(collection, BlockNames[2]);
 }
 
 TouchSpace vtkPalpateSpaceFromCollection(
   vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller)
 {
   const auto gather = [&](const char* name)
-  { return vtkPalpateGatherPieces(PiecesOfBlock(collection, name), controller); };
+  { return vtkPalpateGatherPieces(PiecesOfBlocks(collection, name), controller); };
   const vtkPalpatePieces surfaces = gather(BlockNames[1]);
   const vtkPalpatePieces allConfigurations = gather(BlockNames[2]);
   const vtkPalpatePieces allStates = gather(BlockNames[3]);

@@ -409,9 +409,10 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
 
 }
 
-int vtkPalpateStateSpaceArrays::FindBlock(
+std::vector<unsigned int> vtkPalpateStateSpaceArrays::FindBlocks(
   vtkPartitionedDataSetCollection* collection, const std::string& name)
 {
+  std::vector<unsigned int> found;
   for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
   {
     const char* of = collection->HasMetaData(i)
@@ -419,10 +420,10 @@ int vtkPalpateStateSpaceArrays::FindBlock(
       : nullptr;
     if (of && name == of)
     {
-      return static_cast<int>(i);
+      found.push_back(i);
     }
   }
-  return -1;
+  return found;
 }
 
 void vtkPalpateNameBlocks(
@@ -478,11 +479,9 @@ void vtkPalpateFillCollection(const std::vector<palpate::SpaceBody>& bodies, Tou
   }
   for (const palpate::SpaceBody& body : bodies)
   {
-    const int block = FindBlock(output, BodyBlockName(body.number));
-    if (block >= 0)
+    for (const unsigned int block : FindBlocks(output, BodyBlockName(body.number)))
     {
-      output->SetPartition(
-        static_cast<unsigned int>(block), 0, vtkPalpateGridFromScene(*body.scene, body.at_rest));
+      output->SetPartition(block, 0, vtkPalpateGridFromScene(*body.scene, body.at_rest));
     }
   }
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "base/outcome.h"
 #include "base/types.h"
@@ -24,8 +25,9 @@ constexpr const char* BodyNumber = "BodyNumber";
 constexpr const char* BodyNumbers = "BodyNumbers";
 constexpr const char* MaterialPoints = "MaterialPoints";
 
-/// The number of the block of a name; -1: there is none.
-int FindBlock(vtkPartitionedDataSetCollection* collection, const std::string& name);
+/// The numbers of the blocks of a name, which others than we may have made several of.
+std::vector<unsigned int> FindBlocks(
+  vtkPartitionedDataSetCollection* collection, const std::string& name);
 
 /// The name of the block of a body: "Body", "Body2", … A selector of blocks knows no spaces.
 inline std::string BodyBlockName(palpate::BodyId body)

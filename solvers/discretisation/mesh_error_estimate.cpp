@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "discretisation/mesh_error_estimate.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -73,61 +72,77 @@ MeshErrorEstimator::MeshErrorEstimator(const Scene& scene, const Assembly& assem
   }
 }
 
-NodalVector MeshErrorEstimator::at_points(const Eigen::Ref<const NodalVector>& pressures) const {
-  if (pressures.size() == 0) return {};
+MeshErrorEstimator::Field MeshErrorEstimator::field(const Eigen::Ref<const NodalVector>& u,
+                                                    const Eigen::Ref<const NodalVector>& p) const {
+  Field field;
+  field.h = recovery_.gradients(u);
+  field.d = recovery_.recover(field.h) - field.h;
+  if (p.size() > 0) field.pressure = at_points(p);
+  return field;
+}
+
+NodalVector MeshErrorEstimator::at_points(const Eigen::Ref<const NodalVector>& p) const {
   const std::vector<QuadraturePoint>& rule = quadrature(order_);
+  std::vector<Eigen::VectorXd> shares;
+  for (const QuadraturePoint& point : rule) {
+    shares.push_back(shape_values(ElementOrder::linear, point.xi));
+  }
   NodalVector result = NodalVector::Zero(recovery_.num_points());
   for (Eigen::Index point = 0; point < result.size(); ++point) {
     const auto q = static_cast<std::size_t>(point) % rule.size();
     const std::size_t cell = static_cast<std::size_t>(point) / rule.size();
-    const Eigen::VectorXd shares = shape_values(ElementOrder::linear, rule[q].xi);
     for (int a = 0; a < 4; ++a) {
       const Index pressure = pressures_of_corners_[4 * cell + static_cast<std::size_t>(a)];
-      if (pressure >= 0) result[point] += shares[a] * pressures[pressure];
+      if (pressure >= 0) result[point] += shares[q][a] * p[pressure];
     }
   }
   return result;
 }
 
-std::vector<double> MeshErrorEstimator::norms(const Group& group, const Gradients& h,
-                                              const Gradients& d,
-                                              const NodalVector& pressure) const {
+std::vector<double> MeshErrorEstimator::norms(const Group& group, const Field& field) const {
   std::vector<double> pressures;
   if (group.is_mixed) {
-    for (const Index point : group.points) pressures.push_back(pressure[point]);
+    for (const Index point : group.points) pressures.push_back(field.pressure[point]);
   }
   std::vector<double> norms(group.points.size());
   group.norm->evaluate(static_cast<int>(group.points.size() / kPacketSize), group.constants.data(),
-                       packed(h, group.points).data(), packed(d, group.points).data(),
+                       packed(field.h, group.points).data(), packed(field.d, group.points).data(),
                        pressures.data(), norms.data());
   for (std::size_t i = 0; i < norms.size(); ++i) norms[i] *= group.weights[i];
   return norms;
 }
 
-double MeshErrorEstimator::integral(const Gradients& h, const Gradients& d,
-                                    const NodalVector& pressure) const {
+double MeshErrorEstimator::integral(const Field& field) const {
   double sum = 0;
   for (const Group& group : groups_) {
-    for (const double norm : norms(group, h, d, pressure)) sum += norm;
+    for (const double norm : norms(group, field)) sum += norm;
   }
   return sum;
 }
 
 MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at) const {
-  const Gradients h = recovery_.gradients(at.u);
-  const Gradients d = recovery_.recover(h) - h;
-  const NodalVector pressure = at_points(at.p);
-  const double squared = integral(h, d, pressure);
+  const Field here = field(at.u, at.p);
   MeshErrorEstimate estimate;
+  estimate.energy_of_cells.resize(static_cast<std::size_t>(recovery_.num_points()) /
+                                  static_cast<std::size_t>(recovery_.points_per_cell()));
+  double squared = 0;
+  for (const Group& group : groups_) {
+    const std::vector<double> of_points = norms(group, here);
+    for (std::size_t i = 0; i < of_points.size(); ++i) {
+      squared += of_points[i];
+      estimate.energy_of_cells[group.points[i] / recovery_.points_per_cell()] +=
+          kCorrection * of_points[i];
+    }
+  }
   estimate.energy = -kCorrection * squared;
   estimate.force.resize(at.v.cols());
   const double step = kStep * mean_edge_;
   for (Eigen::Index c = 0; c < at.v.cols(); ++c) {
-    const Gradients of_h = recovery_.gradients(at.v.col(c));
-    const Gradients of_d = recovery_.recover(of_h) - of_h;
-    const NodalVector of_pressure = at.p_v.size() > 0 ? at_points(at.p_v.col(c)) : NodalVector();
+    const Field change =
+        field(at.v.col(c), at.p_v.size() > 0 ? NodalVector(at.p_v.col(c)) : NodalVector());
     const auto moved = [&](double by) {
-      return integral(h + by * of_h, d + by * of_d, pressure + by * of_pressure);
+      return integral(
+          {here.h + by * change.h, here.d + by * change.d, here.pressure + by * change.pressure});
     };
     estimate.force[c] = kCorrection * (moved(step) - moved(-step)) / (2 * step);
   }
@@ -135,21 +150,6 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at) const 
                          std::isfinite(squared) && squared >= 0 && estimate.force.allFinite() &&
                          estimate.force.norm() <= kMostReliable * at.reaction.norm();
   return estimate;
-}
-
-std::vector<double> MeshErrorEstimator::energy_of_cells(const LinearisedState& at) const {
-  const Gradients h = recovery_.gradients(at.u);
-  const Gradients d = recovery_.recover(h) - h;
-  const NodalVector pressure = at_points(at.p);
-  std::vector<double> of_cells(static_cast<std::size_t>(recovery_.num_points()) /
-                               static_cast<std::size_t>(recovery_.points_per_cell()));
-  for (const Group& group : groups_) {
-    const std::vector<double> of_points = norms(group, h, d, pressure);
-    for (std::size_t i = 0; i < of_points.size(); ++i) {
-      of_cells[group.points[i] / recovery_.points_per_cell()] += kCorrection * of_points[i];
-    }
-  }
-  return of_cells;
 }
 
 }  // namespace palpate

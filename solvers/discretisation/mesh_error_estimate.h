@@ -17,7 +17,6 @@
 // too small (0.6).
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "assembly/assembly.h"
@@ -33,6 +32,9 @@ struct MeshErrorEstimate {
   double energy = 0;
   /// By how much the force h that holds the tool is too large in each coordinate [d], N: −dΔΠ/dt.
   Eigen::VectorXd force;
+  /// −ΔΠ of each cell [num_cells], J: a mesh is finest for its work where this is the same in all
+  /// cells.
+  std::vector<double> energy_of_cells;
   /// Whether the estimate may be trusted. It may not where it is not finite or is half of the force
   /// or more, and not for bodies of linear or of mixed cells, for which c was not fitted.
   bool is_reliable = true;
@@ -45,9 +47,6 @@ class MeshErrorEstimator {
 
   /// @param at An equilibrium with its sensitivity.
   [[nodiscard]] MeshErrorEstimate estimate(const LinearisedState& at) const;
-  /// −ΔΠ of each cell [num_cells], J: a mesh is finest for its work where this is the same in all
-  /// cells.
-  [[nodiscard]] std::vector<double> energy_of_cells(const LinearisedState& at) const;
 
  private:
   /// The quadrature points of all cells of one law and formulation, eight to a packet; the last
@@ -61,14 +60,24 @@ class MeshErrorEstimator {
     bool is_mixed = false;
   };
 
+  /// What the norms depend on, at all quadrature points; a linear function of the state.
+  struct Field {
+    /// H, and H* − H.
+    Gradients h;
+    Gradients d;
+    /// Pa; empty if no cell is mixed.
+    NodalVector pressure;
+  };
+
+  /// @param p The pressures of mixed cells, Pa; empty: there are none.
+  [[nodiscard]] Field field(const Eigen::Ref<const NodalVector>& u,
+                            const Eigen::Ref<const NodalVector>& p) const;
+  /// The pressure at each point, Pa.
+  [[nodiscard]] NodalVector at_points(const Eigen::Ref<const NodalVector>& p) const;
   /// The norm at each point of a group, times its weight, J [points, with the filling].
-  [[nodiscard]] std::vector<double> norms(const Group& group, const Gradients& h,
-                                          const Gradients& d, const NodalVector& pressure) const;
-  /// The sum over all groups.
-  [[nodiscard]] double integral(const Gradients& h, const Gradients& d,
-                                const NodalVector& pressure) const;
-  /// The pressure at each point, Pa [points]; empty if no cell is mixed.
-  [[nodiscard]] NodalVector at_points(const Eigen::Ref<const NodalVector>& pressures) const;
+  [[nodiscard]] std::vector<double> norms(const Group& group, const Field& field) const;
+  /// The sum over all groups, J.
+  [[nodiscard]] double integral(const Field& field) const;
 
   GradientRecovery recovery_;
   std::vector<Group> groups_;

@@ -55,9 +55,11 @@ void evaluate(int num_packets, const double* constants, const double* h, const d
     Kinematics<Packet> k;
     load(h + static_cast<std::ptrdiff_t>(p) * kTensor, k.h);
     k.update();
-    const Packet determinant = 1.0 + k.j;
-    // No lane may produce a NaN where another one is defined.
-    k.j = max(k.j, Packet(std::numeric_limits<double>::epsilon() - 1.0));
+    [[maybe_unused]] const Packet determinant = 1.0 + k.j;
+    if constexpr (has_inversion_barrier(L)) {
+      // Where the law is not defined, the norm is no number (below); no other lane may become one.
+      k.j = max(k.j, Packet(std::numeric_limits<double>::epsilon() - 1.0));
+    }
     Response<Packet> r;
     LawOf<L>::template evaluate<true>(k, of_law, r);
     if constexpr (Mixed) {

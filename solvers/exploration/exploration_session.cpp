@@ -211,10 +211,12 @@ PrecomputeResult ExplorationSession::Impl::result_of(TouchSpace space,
                                                      SteadyClock::time_point begin) {
   report.finishing_seconds += seconds_since(begin);
   report.num_unknowns = 0;
+  report.num_cells = 0;
   report.work = {};
   for (const SpaceBody& body : bodies) {
     const BodySolver& solver = solver_of(body.number);
     report.num_unknowns += solver.equilibria->assembly().pattern().size;
+    report.num_cells += body.mesh().num_cells();
     report.work += solver.equilibria->work();
   }
   const ToolSpaceSetup& first = spaces.front().setup;

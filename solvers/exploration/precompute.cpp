@@ -200,8 +200,6 @@ PrecomputeResult precompute(const std::vector<BodyOfRun>& bodies, const Precompu
   });
   PrecomputeReport& report = result.report;
   report.num_ranks = communicator.size();
-  report.num_cells = 0;
-  for (const BodyOfRun& body : bodies) report.num_cells += body.scene->body.mesh.num_cells();
   if (report.complete && progress) {
     const std::int64_t found = report.num_solved + report.num_reused;
     (void)progress({found, found, report.num_solved, seconds_since(start), 0});

@@ -58,6 +58,7 @@ void for_each_figure(PrecomputeReport& report, Visit&& visit) {
   visit(report.num_rounds, largest);
   visit(report.complete, largest);
   visit(report.num_unknowns, largest);
+  visit(report.num_cells, largest);
   visit(report.exploration_seconds, largest);
   visit(report.finishing_seconds, largest);
 }

@@ -27,6 +27,7 @@
 #include "equilibrium/tangent_solver.h"
 #include "exploration/precompute.h"
 #include "schedule/mpi_communicator.h"
+#include "solvers/exploration/pressed_corner.h"
 #include "solvers/support/block.h"
 
 namespace {
@@ -88,14 +89,8 @@ int explore(const char* path, double tolerance, const std::string& tool, const s
   PrecomputeOptions options;
   options.tolerance = tolerance;
   if (tool == "sphere") {
-    options.contact.emplace();
-    options.contact->tool.radius = 0.015;
+    test::press_corner_of_block(options);
     options.contact->spacing = 0.012;
-    options.contact->shell.depth = 0.004;
-    // The edge of the free end.
-    options.contact->shell.region = [](const Vec3& place) {
-      return place.x() > 0.085 && place.z() > 0.04;
-    };
   } else {
     options.active_nodes = {block.corner, block.middle};
     options.half_width = tool == "iterative" ? 0.008 : 0.02;

@@ -7,14 +7,15 @@
 namespace palpate::test {
 
 /// The space has no active nodes then.
-inline void press_corner_of_block(PrecomputeOptions& options) {
+/// @param from Where the part of the block that is pressed begins, m from its held end.
+inline void press_corner_of_block(PrecomputeOptions& options, double from = 0.085) {
   options.active_nodes.clear();
   options.contact.emplace();
   options.contact->tool.radius = 0.015;
   options.contact->spacing = 0.0075;
   options.contact->shell.depth = 0.004;
-  options.contact->shell.region = [](const Vec3& place) {
-    return place.x() > 0.085 && place.z() > 0.04;
+  options.contact->shell.region = [from](const Vec3& place) {
+    return place.x() > from && place.z() > 0.04;
   };
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "exploration/precompute.h"
+#include "solvers/exploration/pressed_corner.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
 #include "solvers/support/world_folder.h"
@@ -39,14 +40,7 @@ class Kept : public testing::Test {
 
   void press() {
     block_ = test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 2}});
-    options_.active_nodes.clear();
-    options_.contact.emplace();
-    options_.contact->tool.radius = 0.015;
-    options_.contact->spacing = 0.0075;
-    options_.contact->shell.depth = 0.004;
-    options_.contact->shell.region = [](const Vec3& place) {
-      return place.x() > 0.08 && place.z() > 0.04;
-    };
+    test::press_corner_of_block(options_, 0.08);
   }
 
   /// The same equilibria, to the solver's tolerance.

@@ -90,6 +90,7 @@ TEST_F(Session, PausesGiveTheSpaceOfOneRunToTheBit) {
   EXPECT_GT(num_pauses, 3);
   const PrecomputeResult result = session->finish();
   EXPECT_TRUE(result.report.complete);
+  EXPECT_EQ(result.report.num_cells, block_.scene.body.mesh.num_cells());
   expect_equal(result.space, whole().space);
 }
 
