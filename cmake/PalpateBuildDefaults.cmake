@@ -21,9 +21,10 @@ if(NOT PALPATE_SHARED_DATA AND IS_DIRECTORY "${PROJECT_SOURCE_DIR}/../shared/dat
   set(PALPATE_SHARED_DATA "${beside}/shared/data" CACHE PATH "" FORCE)
 endif()
 
-# What two presets compile alike is compiled once.
+# What two presets compile alike is compiled once: the tests (palpate_compile_as_tests). The folders
+# of the build are different, so that ccache has to compare paths relative to the project.
 find_program(PALPATE_CCACHE ccache)
 mark_as_advanced(PALPATE_CCACHE)
 if(PALPATE_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${PALPATE_CCACHE}")
+  set(CMAKE_CXX_COMPILER_LAUNCHER env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" "${PALPATE_CCACHE}")
 endif()

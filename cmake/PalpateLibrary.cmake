@@ -41,6 +41,18 @@ function(palpate_add_library part)
 endfunction()
 
 #[[
+palpate_compile_as_tests()
+
+From here on, in the current folder and below, sources are compiled as tests are: with assertions
+and little optimisation. What is tested is in the libraries, and keeps the flags of its build type;
+the tests themselves compile in two thirds of the time, and for two build types only once.
+]]
+macro(palpate_compile_as_tests)
+  set(CMAKE_CXX_FLAGS_RELEASE "-O1 -D_GLIBCXX_ASSERTIONS")
+  set(CMAKE_CXX_FLAGS_ASSERTIONS "${CMAKE_CXX_FLAGS_RELEASE}")
+endmacro()
+
+#[[
 palpate_add_test_library(<name> SOURCES <file>… DEPENDS <part or imported target>…)
 
 Makes the static library palpate_<name> (alias palpate::<name>) of what several tests or benchmarks
@@ -54,7 +66,6 @@ function(palpate_add_test_library name)
   add_library(palpate::${name} ALIAS ${target})
   target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}/tests")
   target_link_libraries(${target} PUBLIC ${depends} PRIVATE palpate_warnings)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release,None>:-O1>)
 endfunction()
 
 # Turns names of parts into targets and leaves imported targets as they are.

@@ -53,8 +53,6 @@ function(palpate_add_test part)
     "PALPATE_SHARED_DATA=\"${PALPATE_SHARED_DATA}\""
     "PALPATE_TEST_DATA=\"${PROJECT_SOURCE_DIR}/tests/data\"")
   target_link_libraries(${target} PRIVATE ${depends} palpate_warnings)
-  # What is tested is in libraries; the tests themselves compile in two thirds of the time.
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release,None>:-O1>)
 
   if(arg_RANKS AND PALPATE_WITH_MPI)
     target_link_libraries(${target} PRIVATE GTest::gtest MPI::MPI_C)

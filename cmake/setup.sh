@@ -10,11 +10,13 @@ palpate_fail() {
   exit 1
 }
 
-# The packages of the list that are for this release.
+# palpate_listed_packages [<what needs them>…]: the packages of the list that are for this release;
+# without arguments, all of them.
 palpate_listed_packages() {
   local package release
   release=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
-  for package in $(sed -e '/^#/d' -e 's/^[a-z]* //' "$palpate_root/cmake/debian-packages.txt"); do
+  for package in $(awk -v asked=" $* " '/^#/ { next } /^[a-z]/ { needs = $1; $1 = "" }
+      asked == "  " || index(asked, " " needs " ")' "$palpate_root/cmake/debian-packages.txt"); do
     case $package in
       */*"${release:-none}"*) echo "${package%/*}" ;;
       */*) ;;
