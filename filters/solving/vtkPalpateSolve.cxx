@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpateSolve.h"
 
+#include "equilibrium/options.h"
 #include "equilibrium/tangent_solver.h"
 #include "linear/group.h"
 #include "vtkMultiProcessController.h"
@@ -49,6 +50,23 @@ std::unique_ptr<palpate::LinearSolver> vtkPalpateSolve::MakeLinearSolver(
 {
   return this->IsSolverAutomatic() ? palpate::choose_tangent_solver(scene, threads)
                                    : palpate::make_tangent_solver(this->LinearSolver);
+}
+
+palpate::EquilibriumOptions vtkPalpateSolve::SolverOptions(int threads, double iterationsAtHalf)
+{
+  palpate::EquilibriumOptions options;
+  options.threads = threads;
+  options.tolerance = this->Tolerance;
+  options.max_iterations = this->MaximumIterations;
+  options.max_seconds = this->MaximumSeconds;
+  options.abort_requested = [this, iterationsAtHalf, iterations = std::make_shared<double>(0)]
+  {
+    ++*iterations;
+    // ParaView handles its events, an abort among them, when it hears of progress.
+    this->UpdateProgress(*iterations / (*iterations + iterationsAtHalf));
+    return this->GetAbortExecute() != 0;
+  };
+  return options;
 }
 
 bool vtkPalpateSolve::SolvesTogether(const palpate::Scene& scene, int numRanks) const

@@ -24,6 +24,7 @@ namespace palpate
 {
 class Communicator;
 class LinearSolver;
+struct EquilibriumOptions;
 struct Scene;
 }
 
@@ -65,6 +66,10 @@ protected:
   /// @throws palpate::InputError there is no solver of that name.
   virtual std::unique_ptr<palpate::LinearSolver> MakeLinearSolver(
     const palpate::Scene& scene, int threads) const;
+
+  /// The options of a solve whose progress is half done after so many iterations, and which ends
+  /// where somebody aborts this filter.
+  palpate::EquilibriumOptions SolverOptions(int threads, double iterationsAtHalf);
 
   /// Makes the scene of a body and of the surface of its tool, which is null where it needs none.
   using SetUpScene =

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -15,17 +16,15 @@
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/solve_cost.h"
 #include "equilibrium/tangent_solver.h"
-#include "interaction/bonded_patch.h"
 #include "interaction/held_points.h"
+#include "interaction/interaction.h"
 #include "interaction/mesh_error.h"
 #include "interaction/rigid_tool.h"
-#include "interaction/tool_clearance.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
-#include "vtkPalpateActiveNodes.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
@@ -34,6 +33,7 @@
 #include "vtkPalpateScene.h"
 #include "vtkPalpateSceneToEstimate.h"
 #include "vtkPalpateStress.h"
+#include "vtkPalpateToolRoute.h"
 #include "vtkPointData.h"
 #include "vtkUnstructuredGrid.h"
 
@@ -44,8 +44,6 @@ namespace
 constexpr double IterationsAtHalf = 10;
 /// A rigid tool comes from where it touches nothing: in so many steps as a rule.
 constexpr double StepsOfContact = 3;
-/// A factor of more takes too long to be made without being asked for.
-constexpr long MostUnknownsTriedAgain = 150000;
 
 void AddResult(vtkUnstructuredGrid* output, const palpate::Equilibrium& state)
 {
@@ -102,46 +100,21 @@ void AddCells(vtkUnstructuredGrid* output, const char* name, const std::vector<d
   output->GetCellData()->AddArray(array);
 }
 
-/// Solves for the equal parts of the way from where a tool starts to t, one after the other, as far
-/// as they converge.
-palpate::Equilibrium Follow(palpate::EquilibriumSolver& solver, const Eigen::VectorXd& start,
-  const Eigen::VectorXd& t, int increments)
+/// Whether there is a tool that is bonded to one point only.
+bool HoldsASinglePoint(const palpate::Interaction& tools)
 {
-  palpate::Equilibrium state = solver.rest(start);
-  for (int increment = 0; increment < increments && state.outcome == palpate::Outcome::converged;
-       ++increment)
+  std::map<palpate::Index, int> numPoints;
+  for (const palpate::PrescribedPoint& point : tools.prescribed_points())
   {
-    palpate::Equilibrium next = solver.solve(increment + 1 == increments
-        ? t
-        : Eigen::VectorXd(start + (t - start) * (increment + 1) / increments),
-      state);
-    next.summary.iterations += state.summary.iterations;
-    next.summary.steps += state.summary.steps;
-    next.summary.seconds += state.summary.seconds;
-    for (palpate::Fold& fold : next.summary.folds)
-    {
-      fold.way = (increment + fold.way) / increments;
-    }
-    next.summary.folds.insert(
-      next.summary.folds.begin(), state.summary.folds.begin(), state.summary.folds.end());
-    state = std::move(next);
+    ++numPoints[point.coordinate];
   }
-  return state;
+  return std::any_of(
+    numPoints.begin(), numPoints.end(), [](const auto& tool) { return tool.second == 1; });
 }
 
 }
 
 vtkStandardNewMacro(vtkPalpateSolveEquilibrium);
-
-struct vtkPalpateSolveEquilibrium::Route
-{
-  std::unique_ptr<palpate::Interaction> Tool;
-  Eigen::VectorXd Start;
-  Eigen::VectorXd End;
-  /// The same tool where it is a rigid one, else null, and what it is made of.
-  const palpate::RigidContact* Contact = nullptr;
-  palpate::RigidTool Rigid;
-};
 
 vtkPalpateSolveEquilibrium::vtkPalpateSolveEquilibrium()
 {
@@ -177,11 +150,11 @@ int vtkPalpateSolveEquilibrium::RequestData(
   const auto compute = [&](palpate::Communicator& communicator)
   {
     palpate::Scene scene;
-    Route route;
+    vtkPalpateToolRoute route;
     const auto setUp = [&](vtkUnstructuredGrid* body, vtkPolyData* surface) -> const palpate::Scene&
     {
       scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
-      route = this->Tool ? this->ContactRoute(scene, surface) : this->BondedRoute(scene);
+      route = this->MakeRoute(scene, surface);
       // Loads act before a tool holds anything.
       palpate::PieceSupport(scene.body.mesh, palpate::holding_points(scene.body))
         .require_held(
@@ -232,42 +205,6 @@ void vtkPalpateSolveEquilibrium::UpdateEstimate()
     });
 }
 
-palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
-  palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const
-{
-  Eigen::VectorXd start = route.Start;
-  if (scene.has_load())
-  {
-    palpate::Equilibrium rest = solver.settled();
-    if (rest.outcome != palpate::Outcome::converged)
-    {
-      const Eigen::Index coordinates = start.size();
-      rest.t = start;
-      rest.reaction.setZero(coordinates);
-      rest.stiffness.setZero(coordinates, coordinates);
-      return rest;
-    }
-    if (route.Contact)
-    {
-      // The tool starts where it is clear of the body as it lies.
-      start = palpate::ToolClearance(
-        scene.body, { rest.u, rest.p }, palpate::make_contact(scene.body, route.Rigid))
-                .start_for(route.End);
-    }
-  }
-  solver.set_interaction(*route.Tool);
-  palpate::Equilibrium state = Follow(solver, start, route.End, this->Increments);
-  // Energies count from the body of the mesh.
-  const double ofRest = solver.settled().energy;
-  state.energy += ofRest;
-  for (palpate::Fold& fold : state.summary.folds)
-  {
-    fold.energy += ofRest;
-    fold.landing_energy += ofRest;
-  }
-  return state;
-}
-
 std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSolver(
   const palpate::Scene& scene, int threads) const
 {
@@ -276,35 +213,18 @@ std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSol
     : this->Superclass::MakeLinearSolver(scene, threads);
 }
 
-vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::BondedRoute(
-  const palpate::Scene& scene) const
+vtkPalpateToolRoute vtkPalpateSolveEquilibrium::MakeRoute(
+  const palpate::Scene& scene, vtkPolyData* surface) const
 {
-  Route route;
-  route.Tool = palpate::BondedPatches(scene.body, this->TipRadius)
-                 .around_each(vtkPalpateActiveNodes(this->ActiveNodes))
-                 .clone();
-  route.End = Eigen::Map<const Eigen::VectorXd>(
-    this->Displacements.data(), static_cast<Eigen::Index>(this->Displacements.size()));
-  route.Start = Eigen::VectorXd::Zero(route.Tool->num_coordinates());
-  return route;
+  return this->Tool ? vtkPalpateContactRoute(
+                        scene, this->Tool->Describe(surface), palpate::Vec3(this->ToolPosition))
+                    : vtkPalpateBondedRoute(scene, this->ActiveNodes, this->TipRadius,
+                        Eigen::Map<const Eigen::VectorXd>(this->Displacements.data(),
+                          static_cast<Eigen::Index>(this->Displacements.size())));
 }
 
-vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::ContactRoute(
-  const palpate::Scene& scene, vtkPolyData* surface)
-{
-  const palpate::RigidTool tool = palpate::with_defaults(this->Tool->Describe(surface), scene);
-  const palpate::RigidContact contact = palpate::make_contact(scene.body, tool);
-  Route route;
-  route.Rigid = tool;
-  route.End = palpate::Vec3(this->ToolPosition);
-  route.Start = palpate::ToolClearance(scene.body, {}, contact).start_for(route.End);
-  route.Tool = contact.clone();
-  route.Contact = static_cast<const palpate::RigidContact*>(route.Tool.get());
-  return route;
-}
-
-void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene, const Route& route,
-  const palpate::Equilibrium& state, vtkUnstructuredGrid* output)
+void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene,
+  const vtkPalpateToolRoute& route, const palpate::Equilibrium& state, vtkUnstructuredGrid* output)
 {
   const palpate::RigidContact::Patch patch = route.Contact->patch(state.t, state.u);
   vtkNew<vtkDoubleArray> pressure;
@@ -331,14 +251,14 @@ void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene, const R
   }
 }
 
-void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene, const Route& route,
-  const palpate::EquilibriumSolver& solver, const palpate::Equilibrium& state,
-  vtkUnstructuredGrid* output)
+void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene,
+  const vtkPalpateToolRoute& route, const palpate::EquilibriumSolver& solver,
+  const palpate::Equilibrium& state, vtkUnstructuredGrid* output)
 {
   const palpate::MeshErrorEstimate estimate =
     palpate::MeshErrorEstimator(scene, solver.assembly()).estimate(state);
-  const bool holdsPoints = !route.Contact && this->TipRadius == 0;
-  const bool isReliable = estimate.is_reliable && !holdsPoints;
+  const bool holdsPoint = HoldsASinglePoint(*route.Tool);
+  const bool isReliable = estimate.is_reliable && !holdsPoint;
   vtkPalpateAddField<vtkDoubleArray>(output, "MeshError", 3, estimate.force);
   vtkPalpateAddInteger(output, "MeshErrorReliable", isReliable ? 1 : 0);
   AddCells(output, "MeshErrorEnergy", estimate.energy_of_cells);
@@ -348,42 +268,25 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene, const
   }
   vtkPalpateWarn(this,
     std::string("The estimate of the error of the mesh (MeshError) cannot be trusted. ") +
-      (holdsPoints
+      (holdsPoint
           ? "The force that holds a single point tends to 0 as the cells become smaller, so that "
-            "all of it is that error. Give the tool a TipRadius."
+            "all of it is that error. Give the tool a TipRadius that is larger than the edges of "
+            "the cells, so that it holds several points."
           : "It is made for quadratic cells of a Poisson's ratio up to 0.45, and for cells that "
             "are not too large for what the tool does to them. Choose quadratic cells where the "
             "body is meshed (ElementOrder), or mesh it more finely where MeshErrorEnergy is "
             "large."));
 }
 
-void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route& route,
-  std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output)
+void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
+  const vtkPalpateToolRoute& route, std::unique_ptr<palpate::LinearSolver> linearSolver,
+  int threads, vtkUnstructuredGrid* output)
 {
-  palpate::EquilibriumOptions options;
-  options.threads = threads;
-  options.tolerance = this->Tolerance;
-  options.max_iterations = this->MaximumIterations;
-  options.max_seconds = this->MaximumSeconds;
-  options.abort_requested = [this, iterations = 0]() mutable
-  {
-    ++iterations;
-    // ParaView handles its events, an abort among them, when it hears of progress.
-    this->UpdateProgress(iterations / (iterations + IterationsAtHalf));
-    return this->GetAbortExecute() != 0;
-  };
-  // What is beyond a fold, and tangents that are hard to solve for, need a factor.
-  const bool mayTryAgain = this->IsSolverAutomatic() && !linearSolver &&
-    palpate::count_unknowns(scene) <= MostUnknownsTriedAgain;
+  const palpate::EquilibriumOptions options = this->SolverOptions(threads, IterationsAtHalf);
+  const vtkPalpateFollowOptions follow = { this->Increments,
+    this->IsSolverAutomatic() && !linearSolver };
   palpate::EquilibriumSolver solver(scene, options, std::move(linearSolver));
-  palpate::Equilibrium state = this->SolveWith(solver, scene, route);
-  if (mayTryAgain &&
-    (state.outcome == palpate::Outcome::not_converged ||
-      state.outcome == palpate::Outcome::tangent_not_solved))
-  {
-    solver = palpate::EquilibriumSolver(scene, options, palpate::make_linear_solver());
-    state = this->SolveWith(solver, scene, route);
-  }
+  const palpate::Equilibrium state = vtkPalpateFollow(scene, route, follow, options, solver);
 
   // What is added to each point and each cell, in numbers, at the most.
   constexpr std::size_t perPoint = 30;

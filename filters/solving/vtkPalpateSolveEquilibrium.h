@@ -54,6 +54,8 @@ struct Equilibrium;
 struct Scene;
 }
 
+struct vtkPalpateToolRoute;
+
 class PALPATESOLVING_EXPORT vtkPalpateSolveEquilibrium : public vtkPalpateSolve
 {
 public:
@@ -114,18 +116,13 @@ private:
   vtkPalpateSolveEquilibrium(const vtkPalpateSolveEquilibrium&) = delete;
   void operator=(const vtkPalpateSolveEquilibrium&) = delete;
 
-  /// A tool, and where it starts and ends.
-  struct Route;
-  Route BondedRoute(const palpate::Scene& scene) const;
-  Route ContactRoute(const palpate::Scene& scene, vtkPolyData* surface);
-  palpate::Equilibrium SolveWith(
-    palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const;
-  void AddContact(const palpate::Scene& scene, const Route& route,
+  vtkPalpateToolRoute MakeRoute(const palpate::Scene& scene, vtkPolyData* surface) const;
+  void AddContact(const palpate::Scene& scene, const vtkPalpateToolRoute& route,
     const palpate::Equilibrium& state, vtkUnstructuredGrid* output);
-  void AddMeshError(const palpate::Scene& scene, const Route& route,
+  void AddMeshError(const palpate::Scene& scene, const vtkPalpateToolRoute& route,
     const palpate::EquilibriumSolver& solver, const palpate::Equilibrium& state,
     vtkUnstructuredGrid* output);
-  void Solve(const palpate::Scene& scene, const Route& route,
+  void Solve(const palpate::Scene& scene, const vtkPalpateToolRoute& route,
     std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output);
 
   std::vector<double> Displacements = { 0, 0, 0 };

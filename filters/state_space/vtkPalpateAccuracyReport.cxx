@@ -61,6 +61,7 @@ std::string KeyOf(const palpate::TouchSpace& space, const palpate::AccuracyOptio
     {
       key.add(c.check_point).add(c.level).add(c.t).add(c.energy).add(c.force).add(c.stiffness);
       key.add(c.third_derivative).add(c.flags).add(c.outcome).add(c.seconds);
+      key.add(c.mesh_error.energy).add(c.mesh_error.force).add(c.mesh_error.is_reliable);
     }
     for (const palpate::IntermediateState& state : toolSpace.intermediate_states)
     {

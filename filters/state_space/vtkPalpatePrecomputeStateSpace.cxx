@@ -46,7 +46,7 @@ std::string KeyOf(const palpate::Scene& scene, const palpate::PrecomputeOptions&
   key.add(palpate::hash(scene)).add(scene.body.touchable).add(options.active_nodes);
   key.add(options.tip_radius).add(options.half_width).add(options.resolution);
   key.add(options.tolerance).add(options.tolerance_is_relative).add(options.force_limit);
-  key.add(options.history).add(options.intermediate_states);
+  key.add(options.history).add(options.intermediate_states).add(options.estimate_mesh_error);
   key.add(options.touch_bound).add(options.keep).add(options.file.string());
   const palpate::EquilibriumOptions& equilibrium = options.equilibrium;
   key.add(equilibrium.third_derivatives).add(equilibrium.tolerance);
@@ -272,6 +272,7 @@ palpate::PrecomputeOptions vtkPalpatePrecomputeStateSpace::Options(
   options.history = static_cast<palpate::History>(this->History);
   options.intermediate_states = this->IntermediateStates;
   options.equilibrium.third_derivatives = this->ThirdDerivatives;
+  options.estimate_mesh_error = this->EstimateMeshError;
   options.file = this->FileName;
   options.keep = static_cast<palpate::Keep>(this->Keep);
   options.touch_bound = this->DisplacementBound;
@@ -488,6 +489,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "History: " << this->History << '\n'
      << indent << "IntermediateStates: " << this->IntermediateStates << '\n'
      << indent << "ThirdDerivatives: " << this->ThirdDerivatives << '\n'
+     << indent << "EstimateMeshError: " << this->EstimateMeshError << '\n'
      << indent << "FileName: " << this->FileName << '\n'
      << indent << "Keep: " << this->Keep << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'

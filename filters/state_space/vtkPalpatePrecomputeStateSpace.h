@@ -156,6 +156,10 @@ public:
   vtkSetMacro(ThirdDerivatives, bool);
   vtkGetMacro(ThirdDerivatives, bool);
   vtkBooleanMacro(ThirdDerivatives, bool);
+  /// Whether the error of the mesh is estimated at each configuration.
+  vtkSetMacro(EstimateMeshError, bool);
+  vtkGetMacro(EstimateMeshError, bool);
+  vtkBooleanMacro(EstimateMeshError, bool);
   ///@}
   ///@{
   /// Where the space is kept (.palpate) and resumed; empty: in memory alone.
@@ -252,6 +256,7 @@ private:
   int History = AUTOMATIC;
   int IntermediateStates = 0;
   bool ThirdDerivatives = true;
+  bool EstimateMeshError = false;
   std::string FileName;
   int Keep = SURFACE;
   double SolverTolerance = 1e-9;

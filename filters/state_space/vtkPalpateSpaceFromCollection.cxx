@@ -220,6 +220,17 @@ void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space
       ThirdDerivative, 10, [](auto& c) { return c.third_derivative.data(); });
   }
 
+  if (arrays->HasArray(MeshErrorEnergy))
+  {
+    const auto readDoubles = DoubleReader(arrays, all);
+    readDoubles(MeshError, 3, [](auto& c) { return c.mesh_error.force.data(); });
+    readDoubles(MeshErrorEnergy, 1, [](auto& c) { return &c.mesh_error.energy; });
+    vtkDataArray* reliable = Required(arrays, MeshErrorReliable, 1);
+    for (vtkIdType i = 0; i < count; ++i)
+    {
+      all[i].mesh_error.is_reliable = reliable->GetComponent(i, 0) != 0;
+    }
+  }
   if (arrays->HasArray(LevelsReached))
   {
     vtkDataArray* reached = Required(arrays, LevelsReached, palpate::num_neighbours);

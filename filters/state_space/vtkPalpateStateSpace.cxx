@@ -234,6 +234,15 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
     ArrayMaker<vtkDoubleArray>(arrays, all)(
       ThirdDerivative, 10, [](auto& c) { return c.third_derivative.data(); });
   }
+  if (std::any_of(all.begin(), all.end(), [](auto* c) { return c->mesh_error.is_known(); }))
+  {
+    const auto addDoubles = ArrayMaker<vtkDoubleArray>(arrays, all);
+    addDoubles(MeshError, 3, [](auto& c) { return c.mesh_error.force.data(); });
+    addDoubles(MeshErrorEnergy, 1, [](auto& c) { return &c.mesh_error.energy; });
+    auto* reliable = AddArray<vtkUnsignedCharArray>(arrays, MeshErrorReliable, 1, count);
+    std::transform(all.begin(), all.end(), reliable->GetPointer(0),
+      [](const ConfigurationSummary* c) { return c->mesh_error.is_reliable ? 1 : 0; });
+  }
   if (std::any_of(all.begin(), all.end(), [](auto* c) { return c->has_history(); }))
   {
     auto* reached = AddArray<vtkIntArray>(arrays, LevelsReached, palpate::num_neighbours, count);

@@ -32,6 +32,10 @@
 //   `Stiffness`       ∂force/∂displacement, N/m [9]
 //   `ThirdDerivative` of a space that has them: ∂stiffness/∂displacement, N/m², in the order xxx,
 //                     xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz [10]; NaN where it was not found
+//   `MeshError`       of a space in which it was estimated: by how much Force is too large because
+//                     of the size of the cells, N [3]
+//   `MeshErrorEnergy` the energy that a finer mesh would still release there, J; NaN: not estimated
+//   `MeshErrorReliable`   1: the estimate may be trusted
 //   `Coefficients`    of the modes [r]
 //   `CoefficientGradient`   ∂/∂x of all, then ∂/∂y, ∂/∂z, 1/m [3r]
 //   `Outcome`, `Flags`      see solvers/base/outcome.h

@@ -16,6 +16,9 @@ namespace vtkPalpateStateSpaceArrays
 {
 constexpr const char* BlockNames[] = { "Body", "Surface", "Configurations", "IntermediateStates" };
 constexpr const char* ThirdDerivative = "ThirdDerivative";
+constexpr const char* MeshError = "MeshError";
+constexpr const char* MeshErrorEnergy = "MeshErrorEnergy";
+constexpr const char* MeshErrorReliable = "MeshErrorReliable";
 constexpr const char* FileName = "FileName";
 constexpr const char* LevelsReached = "LevelsReached";
 

@@ -236,6 +236,26 @@ def main():
     apply()
     picture("SetBoundary")
 
+    refined = add("Refine Mesh")
+    refined.ActiveNodes, refined.Depth, refined.MeshTolerance = [NODE], 0.008, 0.15
+    refined.Tool = "Sphere"
+    refined.Tool.Radius = 0.01
+    apply()
+    sheet, = (view for view in GetViews() if view.GetXMLName() == "SpreadSheetView")
+    Show(OutputPort(refined, 1), sheet)
+    Hide(scene)
+    SetActiveView(GetRenderViews()[0])
+    display = Show(refined)
+    display.SetRepresentationType("Surface With Edges")
+    ColorBy(display, None)
+    SetActiveSource(refined)
+    wait(0.3)
+    picture("RefineMesh")
+    Delete(sheet)
+    Delete(refined)
+    SetActiveSource(scene)
+    Show(scene)
+
     SaveData("liver.feb", proxy=scene)
     model = OpenDataFile("liver.feb")
     Hide(scene)

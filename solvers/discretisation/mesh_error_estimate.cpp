@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "discretisation/mesh_error_estimate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -18,6 +19,8 @@ constexpr double kCorrection = 1.4;
 constexpr double kStep = 1e-5;
 /// The largest share of the force that its error may be.
 constexpr double kMostReliable = 0.5;
+/// A tool that has moved by no more than this share of an edge is at rest.
+constexpr double kRest = 1e-6;
 
 constexpr Eigen::Index kTensor = 9 * Eigen::Index{kPacketSize};
 
@@ -146,9 +149,12 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at) const 
     };
     estimate.force[c] = kCorrection * (moved(step) - moved(-step)) / (2 * step);
   }
-  estimate.is_reliable = order_ == ElementOrder::quadratic && !has_mixed_ &&
-                         std::isfinite(squared) && squared >= 0 && estimate.force.allFinite() &&
-                         estimate.force.norm() <= kMostReliable * at.reaction.norm();
+  // At rest, both are rounding.
+  const double largest = std::max(at.reaction.norm(), kRest * mean_edge_ * at.stiffness.norm());
+  estimate.is_small = (at.flags & flags::inverted) == 0 && std::isfinite(squared) && squared >= 0 &&
+                      estimate.force.allFinite() &&
+                      estimate.force.norm() <= kMostReliable * largest;
+  estimate.is_reliable = estimate.is_small && order_ == ElementOrder::quadratic && !has_mixed_;
   return estimate;
 }
 

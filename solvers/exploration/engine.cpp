@@ -554,9 +554,11 @@ Configuration Engine::make(const Batch& batch, const Target& target) {
   sought.outcome = Outcome::converged;
   const bool leads_on = target.level < 0 || !plan->following(sought).empty();
   const Tangent tangent = leads_on ? Tangent::factorised : Tangent::iterated;
-  Configuration found =
-      to_configuration(batch.has_start() ? solver_.solve(setup, t, *batch.state, tangent)
-                                         : solver_.begin(setup, t, tangent));
+  Equilibrium state = batch.has_start() ? solver_.solve(setup, t, *batch.state, tangent)
+                                        : solver_.begin(setup, t, tangent);
+  const MeshError mesh_error = solver_.mesh_error(setup, state);
+  Configuration found = to_configuration(std::move(state));
+  found.mesh_error = mesh_error;
   found.check_point = target.check_point;
   found.level = target.level;
   found.parent = batch.has_start() ? batch.start.check_point : target.check_point;

@@ -150,7 +150,7 @@ void ExplorationSession::Impl::take_bodies(const std::vector<BodyOfRun>& asked,
     BodySolver& solver = solver_of(body.number);
     body.at_rest = settle(*body.scene, *solver.equilibria, options.file, communicator);
     solver.tools.emplace(body.scene->body, body.at_rest);
-    solver.states.emplace(body, *solver.equilibria, *solver.tools);
+    solver.states.emplace(body, *solver.equilibria, *solver.tools, options.estimate_mesh_error);
     state_solver.add(body.number, *solver.states);
   }
 }

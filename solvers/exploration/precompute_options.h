@@ -58,6 +58,9 @@ struct PrecomputeOptions {
   /// Equilibria at equal steps of the straight line to each configuration of level 0, as further
   /// places where the force is known [P08]. Each takes about 60 % of the time of a configuration.
   int intermediate_states = 0;
+  /// Whether the error of the mesh is estimated at each configuration. Those that an earlier run
+  /// has found without it stay without it.
+  bool estimate_mesh_error = false;
   /// The file of the space, from which an exploration is resumed; empty: the space is in memory
   /// only.
   std::filesystem::path file;

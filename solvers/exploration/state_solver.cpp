@@ -36,6 +36,13 @@ const InnerExtension& InteractionSolver::extension(Keep kept) {
       .first->second;
 }
 
+MeshError InteractionSolver::mesh_error(const ToolSpaceSetup& /*setup*/, const Equilibrium& state) {
+  if (!mesh_errors_ || state.outcome != Outcome::converged) return {};
+  if ((state.flags & flags::touches_nothing) != 0) return {0, Vec3::Zero(), true};
+  const MeshErrorEstimate estimate = mesh_errors_->estimate(state);
+  return {estimate.energy, estimate.force, estimate.is_reliable};
+}
+
 Equilibrium InteractionSolver::restore(const ToolSpaceSetup& setup, const Equilibrium& near,
                                        Keep kept) {
   if (!has_fields(near)) return near;

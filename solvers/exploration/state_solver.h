@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "discretisation/mesh_error_estimate.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/inner_extension.h"
 #include "fields/reduced_fields.h"
@@ -40,6 +41,12 @@ class StateSolver {
                                             const Equilibrium& near, Keep /*kept*/) {
     return near;
   }
+  /// What the size of the cells does to an equilibrium that was found; not known where it is not
+  /// estimated.
+  [[nodiscard]] virtual MeshError mesh_error(const ToolSpaceSetup& /*setup*/,
+                                             const Equilibrium& /*state*/) {
+    return {};
+  }
   /// As EquilibriumSolver::forget(). The state may lack its fields as a start may.
   virtual void forget(const ToolSpaceSetup& setup, const Equilibrium& state) = 0;
 
@@ -51,8 +58,12 @@ class StateSolver {
 class InteractionSolver final : public StateSolver {
  public:
   /// All arguments must outlive this object.
-  InteractionSolver(const SpaceBody& body, EquilibriumSolver& solver, InteractionFactory& tools)
-      : body_(body), solver_(solver), tools_(tools) {}
+  /// @param with_mesh_errors Whether mesh_error() estimates.
+  InteractionSolver(const SpaceBody& body, EquilibriumSolver& solver, InteractionFactory& tools,
+                    bool with_mesh_errors = false)
+      : body_(body), solver_(solver), tools_(tools) {
+    if (with_mesh_errors) mesh_errors_.emplace(*body.scene, solver.assembly());
+  }
 
   [[nodiscard]] Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                   Tangent tangent) override {
@@ -70,6 +81,8 @@ class InteractionSolver final : public StateSolver {
   }
   [[nodiscard]] Equilibrium restore(const ToolSpaceSetup& setup, const Equilibrium& near,
                                     Keep kept) override;
+  [[nodiscard]] MeshError mesh_error(const ToolSpaceSetup& setup,
+                                     const Equilibrium& state) override;
   void forget(const ToolSpaceSetup& /*setup*/, const Equilibrium& state) override {
     if (has_fields(state)) solver_.forget(state);
   }
@@ -93,6 +106,7 @@ class InteractionSolver final : public StateSolver {
   /// The clearance of that tool, if there is one.
   std::shared_ptr<const ToolClearance> clearance_;
   std::map<Keep, InnerExtension> extensions_;
+  std::optional<MeshErrorEstimator> mesh_errors_;
 };
 
 /// Has the solver of each body solve for the tool spaces that stand on it.
@@ -112,6 +126,10 @@ class SolverOfBodies final : public StateSolver {
   [[nodiscard]] Equilibrium restore(const ToolSpaceSetup& setup, const Equilibrium& near,
                                     Keep kept) override {
     return solver_of(setup).restore(setup, near, kept);
+  }
+  [[nodiscard]] MeshError mesh_error(const ToolSpaceSetup& setup,
+                                     const Equilibrium& state) override {
+    return solver_of(setup).mesh_error(setup, state);
   }
   void forget(const ToolSpaceSetup& setup, const Equilibrium& state) override {
     solver_of(setup).forget(setup, state);

@@ -40,6 +40,7 @@ namespace palpate {
 template <class Visit>
 void for_each_part(ConfigurationSummary& c, Visit&& visit) {
   for_each_number_of_summary(c, visit);
+  for_each_number_of_mesh_error(c.mesh_error, visit);
   visit(c.reached);
 }
 template <class Visit>

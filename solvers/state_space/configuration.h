@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
@@ -75,6 +76,19 @@ inline constexpr std::int32_t beyond_most_levels = -3;
 /// ∂³Π/∂t³ in the order xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz [10], N/m².
 using ThirdDerivative = Eigen::Matrix<double, 10, 1>;
 
+/// What the size of the cells does to a configuration, as MeshErrorEstimator estimates it.
+struct MeshError {
+  /// The energy that a finer mesh would still release, not positive as a rule, J; NaN: it was not
+  /// estimated.
+  double energy = std::numeric_limits<double>::quiet_NaN();
+  /// By how much the force of the configuration is too large [3], N: minus the gradient of energy.
+  Vec3 force = Vec3::Zero();
+  /// Whether the estimate may be trusted.
+  bool is_reliable = false;
+
+  [[nodiscard]] bool is_known() const { return std::isfinite(energy); }
+};
+
 /// A configuration without its fields.
 struct ConfigurationSummary {
   CheckPoint check_point{};
@@ -108,6 +122,7 @@ struct ConfigurationSummary {
   /// A signature that tells displacements apart: Σ s_n u_n / √num_points [3], s_n = ±1 at random,
   /// m. Between two states it differs by about the root mean square of the difference of u.
   Vec3 signature = Vec3::Zero();
+  MeshError mesh_error;
   /// Where history matters, the level that the body is on after it was moved from here to each
   /// neighbour.
   Reached reached = filled_with_not_tried();
@@ -179,7 +194,7 @@ struct LevelTransition {
 };
 
 /// Calls visit for each number of a summary, in the order of the columns of the file. What
-/// transitions have reached is not among them.
+/// transitions have reached is not among them, nor is the error of the mesh.
 template <class Summary, class Visit>
 void for_each_number_of_summary(Summary& c, Visit&& visit) {
   for (auto& x : c.check_point) visit(x);
@@ -201,6 +216,14 @@ void for_each_number_of_summary(Summary& c, Visit&& visit) {
   visit(c.seconds);
   for (int a = 0; a < 3; ++a) visit(c.signature[a]);
   visit(c.third_derivative);
+}
+
+/// Does the same for the error of the mesh.
+template <class Error, class Visit>
+void for_each_number_of_mesh_error(Error& error, Visit&& visit) {
+  visit(error.energy);
+  for (int a = 0; a < 3; ++a) visit(error.force[a]);
+  visit(error.is_reliable);
 }
 
 /// Does the same for an intermediate state.

@@ -15,18 +15,6 @@ namespace {
 
 using sqlite::Statement;
 
-constexpr char kAtKey[] =
-    " WHERE scene_id = ? AND tool_space_id = ? AND i = ? AND j = ? AND k = ? AND level = ?";
-
-/// Binds the parameters of kAtKey.
-void bind_key(const ToolSpaceKey& key, const CheckPoint& check_point, std::int32_t level,
-              Statement& statement) {
-  statement.bind(key.body);
-  statement.bind(key.id);
-  for (std::int32_t x : check_point) statement.bind(std::int64_t{x});
-  statement.bind(std::int64_t{level});
-}
-
 /// Resets a statement at the end of the scope, so that it is ready for the next use.
 struct Reset {
   Statement& statement;
@@ -60,12 +48,14 @@ void Configurations::add(const ToolSpaceKey& key, const Configuration& configura
     throw InputError(quoted(connection_.path()) + " has no " + tool_spaces_.name_of(key) +
                      ". Add it first.");
   }
+  mesh_errors_.add(key, configuration);
 }
 
 void Configurations::add(const ToolSpaceKey& key, const ConfigurationSummary& summary,
                          const ReducedFields& reduced) {
   connection_.before_change();
   insert(key, summary, rows::fields_of(reduced));
+  mesh_errors_.add(key, summary);
 }
 
 void Configurations::insert(const ToolSpaceKey& key, const ConfigurationSummary& summary,
@@ -111,7 +101,7 @@ std::vector<Configuration> Configurations::read_where(const ToolSpaceKey& key,
                                                       const std::string& condition) const {
   const std::optional<ToolSpace> space = tool_spaces_.find(key);
   if (!space) return {};
-  return read_rows<Configuration>(
+  std::vector<Configuration> configurations = read_rows<Configuration>(
       key, table_.columns("i", "summary_checksum") + ", checksum, summary_checksum", condition,
       [&](Statement& select, Configuration& c) {
         bool sound = true;
@@ -122,6 +112,8 @@ std::vector<Configuration> Configurations::read_where(const ToolSpaceKey& key,
                rows::is_possible(space->setup.grid, c);
       },
       [&](const Configuration& c) { return describe(c, space->setup.name()); });
+  mesh_errors_.set(key, configurations);
+  return configurations;
 }
 
 std::vector<Configuration> Configurations::read_all(const ToolSpaceKey& key) const {
@@ -139,6 +131,7 @@ std::vector<Configuration> Configurations::read_candidates(const ToolSpaceKey& k
 void Configurations::settle(const ToolSpaceKey& key, const ConfigurationSummary& candidate,
                             std::int32_t level) {
   connection_.before_change();
+  mesh_errors_.settle(key, candidate, level);
   if (level < 0) {
     Statement remove(connection_.database(), std::string("DELETE FROM configuration") + kAtKey);
     bind_key(key, candidate.check_point, candidate.level, remove);

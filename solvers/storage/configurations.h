@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "storage/bases.h"
+#include "storage/mesh_errors.h"
 #include "storage/tool_space_rows.h"
 
 namespace palpate::storage {
@@ -17,7 +18,10 @@ class Configurations : private ToolSpaceRows {
  public:
   Configurations(Connection& connection, const Bodies& bodies, const ToolSpaces& tool_spaces,
                  const Bases& bases)
-      : ToolSpaceRows(connection, tool_spaces, "configuration"), bodies_(bodies), bases_(bases) {}
+      : ToolSpaceRows(connection, tool_spaces, "configuration"),
+        bodies_(bodies),
+        bases_(bases),
+        mesh_errors_(connection, tool_spaces) {}
 
   /// Adds a configuration to a tool space, in place of one with the same check-point and level.
   /// @throws InputError there is no such tool space, or a field has a size that is not the body's;
@@ -93,6 +97,7 @@ class Configurations : private ToolSpaceRows {
 
   const Bodies& bodies_;
   const Bases& bases_;
+  MeshErrors mesh_errors_;
   /// This statement is prepared at its first use.
   std::optional<sqlite::Statement> insert_;
   mutable std::optional<sqlite::Statement> select_fields_;

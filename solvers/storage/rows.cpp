@@ -206,6 +206,12 @@ std::int64_t checksum(const ToolSpaceKey& key, ConfigurationSummary summary, std
   return checksum_of(bits);
 }
 
+std::int64_t checksum_of_mesh_error(const ToolSpaceKey& key, const ConfigurationSummary& summary) {
+  std::vector<std::int64_t> bits = bits_of(key);
+  for_each_number_of_mesh_error_row(summary, Gather{bits});
+  return checksum_of(bits);
+}
+
 std::int64_t checksum(const ToolSpaceKey& key, const LevelTransition& transition) {
   std::vector<std::int64_t> bits = bits_of(key);
   for_each_number_of_transition(transition, Gather{bits});

@@ -70,6 +70,14 @@ void for_each_number_of_tool_space(Space& space, Visit&& visit, Checked checked 
   visit(policy.depth);
 }
 
+/// Calls visit for each number of the row of the error of the mesh of a configuration.
+template <class Summary, class Visit>
+void for_each_number_of_mesh_error_row(Summary& c, Visit&& visit) {
+  for (auto& x : c.check_point) visit(x);
+  visit(c.level);
+  for_each_number_of_mesh_error(c.mesh_error, visit);
+}
+
 /// A basis without its modes.
 struct BasisRow {
   std::int64_t number = 0;
@@ -189,6 +197,9 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 /// @param of_fields The checksum of its fields.
 [[nodiscard]] std::int64_t checksum(const ToolSpaceKey& key, ConfigurationSummary summary,
                                     std::int64_t of_fields, Checked checked = Checked::all);
+/// The checksum of the error of the mesh of a configuration.
+[[nodiscard]] std::int64_t checksum_of_mesh_error(const ToolSpaceKey& key,
+                                                  const ConfigurationSummary& summary);
 [[nodiscard]] std::int64_t checksum(const ToolSpaceKey& key, const LevelTransition& transition);
 [[nodiscard]] std::int64_t checksum(const ToolSpaceKey& key, IntermediateState state,
                                     Checked checked = Checked::all);

@@ -256,6 +256,23 @@ CREATE TABLE contact_offset (
 );
 )sql";
 
+// The table of the errors of the mesh is made when the first configuration is stored that has one.
+inline constexpr char kMeshErrorSchema[] = R"sql(
+CREATE TABLE mesh_error (             -- of a configuration, where it was estimated
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  tool_space_id INTEGER NOT NULL,
+  i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,  -- check-point of the configuration
+  level       INTEGER NOT NULL,       -- its level
+  energy      NOT NULL,               -- that a finer mesh would still release, J
+  force_x NOT NULL, force_y NOT NULL, force_z NOT NULL,  -- by which that of the configuration is
+                                      -- too large, N
+  is_reliable INTEGER NOT NULL,       -- 1: the estimate may be trusted
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of tool_space_id and of the columns from i to
+                                      -- is_reliable, 8 bytes each
+  PRIMARY KEY (scene_id, tool_space_id, i, j, k, level)
+);
+)sql";
+
 // The table of reduced models is made when the first array is stored: most files have none.
 inline constexpr char kReducedSchema[] = R"sql(
 CREATE TABLE reduced_array (          -- of a reduced model, or of what was found in its training
@@ -281,6 +298,7 @@ struct OptionalTable {
 inline constexpr OptionalTable optional_tables[] = {{"reduced_array", kReducedSchema},
                                                     {"body_force", kBodyForceSchema},
                                                     {"boundary_array", kBoundarySchema},
-                                                    {"contact_offset", kContactOffsetSchema}};
+                                                    {"contact_offset", kContactOffsetSchema},
+                                                    {"mesh_error", kMeshErrorSchema}};
 
 }  // namespace palpate::storage

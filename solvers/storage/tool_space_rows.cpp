@@ -15,6 +15,13 @@ void ToolSpaceRows::bind(const ToolSpaceKey& key, Statement& statement) {
   statement.bind(key.id);
 }
 
+void ToolSpaceRows::bind_key(const ToolSpaceKey& key, const CheckPoint& check_point,
+                             std::int32_t level, Statement& statement) {
+  bind(key, statement);
+  for (const std::int32_t x : check_point) statement.bind(std::int64_t{x});
+  statement.bind(std::int64_t{level});
+}
+
 std::string ToolSpaceRows::of_space(const std::string& condition) {
   return " WHERE scene_id = ? AND tool_space_id = ? AND " + condition;
 }

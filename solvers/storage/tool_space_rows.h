@@ -60,6 +60,11 @@ class ToolSpaceRows {
 
   /// Binds the number of the body and that of the tool space.
   static void bind(const ToolSpaceKey& key, Statement& statement);
+  /// The condition for the row of one configuration, whose parameters bind_key() binds.
+  static constexpr char kAtKey[] =
+      " WHERE scene_id = ? AND tool_space_id = ? AND i = ? AND j = ? AND k = ? AND level = ?";
+  static void bind_key(const ToolSpaceKey& key, const CheckPoint& check_point, std::int32_t level,
+                       Statement& statement);
 
   Connection& connection_;
   const ToolSpaces& tool_spaces_;

@@ -144,6 +144,15 @@ def expect_error(run, *words):
         assert word in messages.text, f"'{word}' is missing in: {messages.text}"
 
 
+def expect_warning(run, *words):
+    """Calls run(): it shall end with one warning that has all the words, and no error."""
+    with Messages() as messages:
+        run()
+    assert messages.errors == 0 and messages.warnings == 1, messages.text
+    for word in words:
+        assert word in messages.text, f"'{word}' is missing in: {messages.text}"
+
+
 def expect_silence(run):
     """Calls run(): there shall be no error and no warning."""
     with Messages() as messages:

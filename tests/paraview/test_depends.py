@@ -199,7 +199,7 @@ def check_file(make, changes, file):
 # Other values of the properties of a space.
 OF_BOTH = {"ForceLimit": 0.5, "ThirdDerivatives": 0, "SolverTolerance": 1e-6,
            "SinglePrecisionFactors": 0, "MaximumSeconds": 60, "BodyForce": [0, 0, -1],
-           "Keep": "All", "RanksPerSolve": 2, "Graspable": 1}
+           "Keep": "All", "RanksPerSolve": 2, "Graspable": 1, "EstimateMeshError": 1}
 OF_BONDED = {"TipRadius": 0.11, "HalfWidth": 0.012, "Resolution": 5, "Tolerance": 0.05,
              "ToleranceType": "Absolute", "History": "Levels", "IntermediateStates": 1,
              "DisplacementBound": 0.1}
@@ -226,8 +226,8 @@ def test_bonded_space():
     # By a file that is there, what is to be found may be more, and otherwise computed or drawn.
     changes["DisplacementBound"] = 1e-5
     assert check_file(make, changes, "bonded.palpate") == set(changes) - {
-        "ActiveNodes", "ForceLimit", "Graspable", "History", "MaximumSeconds",
-        "SinglePrecisionFactors", "ToleranceType"}
+        "ActiveNodes", "EstimateMeshError", "ForceLimit", "Graspable", "History",
+        "MaximumSeconds", "SinglePrecisionFactors", "ToleranceType"}
 
 
 def test_rigid_space():
@@ -245,8 +245,8 @@ def test_rigid_space():
     changes = {**OF_BOTH, **OF_RIGID, **OF_TOOL, "Tool": "Sphere"}
     assert check_properties(make, changes) == set(changes) - {"BeginAt", "Keep", "MaximumSeconds"}
     assert check_file(make, changes, "rigid.palpate") == set(changes) - {
-        "BeginAt", "Depth", "ForceLimit", "MaximumSeconds", "SinglePrecisionFactors", "ToolRegion",
-        "UseToolRegion"}
+        "BeginAt", "Depth", "EstimateMeshError", "ForceLimit", "MaximumSeconds",
+        "SinglePrecisionFactors", "ToolRegion", "UseToolRegion"}
 
 
 def on_plane(body, origin, normal, **settings):

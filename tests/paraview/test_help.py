@@ -13,7 +13,7 @@ import sys
 import zlib
 
 PROXIES = ["filters.TetrahedralizeSurface", "filters.TetrahedralizeLabelMap",
-           "filters.AssignMaterial", "filters.SetBoundary",
+           "filters.AssignMaterial", "filters.SetBoundary", "filters.RefineMesh",
            "filters.SolveEquilibrium", "filters.SolveDynamics", "filters.BuildReducedModel",
            "filters.SimulateTouch", "filters.TouchReducedModel",
            "filters.PrecomputeStateSpace", "filters.TouchStateSpace",

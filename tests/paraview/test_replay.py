@@ -25,10 +25,12 @@ PRESSES, ATTACHED = 4, 3
 
 
 def record(servo, make_space, name, *kind):
-    """The space and the ticks of a recording."""
+    """The space and the ticks of a recording. The tool does not let go where a busy machine stops
+    the loop for a moment."""
     subprocess.run([make_space, f"{name}.palpate", *kind], check=True, stdout=subprocess.DEVNULL)
-    subprocess.run([servo, f"{name}.palpate", "--seconds", "1.5", "--no-realtime", "--record",
-                    f"{name}.csv"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([servo, f"{name}.palpate", "--seconds", "1.5", "--no-realtime",
+                    "--release-after", "10", "--record", f"{name}.csv"], check=True,
+                   stdout=subprocess.DEVNULL)
     with open(f"{name}.csv", newline="", encoding="utf-8") as file:
         ticks = list(csv.DictReader(file))
     return StateSpaceReader(FileName=f"{name}.palpate"), ticks

@@ -429,6 +429,43 @@ def test_additions():
                  "intermediate states")
 
 
+def test_mesh_error():
+    """The error of the mesh at each configuration: that of Solve Equilibrium, also from a file."""
+    boundary = scene("mesh_error")
+    node = node_at(boundary, CORNER)
+    settings = {"Resolution": 3, "HalfWidth": 0.004, "TipRadius": 0.06}
+    plain = arrays_of(fetch_space(precompute(boundary, [node], **settings))
+                      ["Configurations"].GetPointData())
+    kept = precompute(boundary, [node], EstimateMeshError=1, FileName="mesh_error.palpate",
+                      **settings)
+    blocks = fetch_space(kept)
+    arrays = arrays_of(blocks["Configurations"].GetPointData())
+    errors = {name: arrays.pop(name)
+              for name in ("MeshError", "MeshErrorEnergy", "MeshErrorReliable")}
+    assert arrays.keys() == plain.keys()
+    for name in arrays.keys() - {"Seconds"}:
+        assert (arrays[name] == plain[name]).all(), name
+    assert (errors["MeshErrorEnergy"] <= 0).all() and (errors["MeshErrorReliable"] == 1).all()
+    exact = SolveEquilibrium(Input=boundary, ActiveNodes=[node], TipRadius=0.06,
+                             EstimateMeshError=1)
+    for i in (0, 5, 22):
+        exact.Displacement = list(arrays["Displacement"][i])
+        expected = field(fetch(exact), "MeshError")[0]
+        size = numpy.linalg.norm(expected)
+        assert size > 0.01 * numpy.linalg.norm(arrays["Force"][i])
+        # Sensitivities of configurations from which none is reached are less exact.
+        assert numpy.linalg.norm(errors["MeshError"][i] - expected) < 1e-3 * size
+    SaveData("mesh_error.vtpc", proxy=kept, DataMode="Binary")
+    for other in (StateSpaceReader(FileName="mesh_error.palpate"),
+                  OpenDataFile(os.path.abspath("mesh_error.vtpc"))):
+        expect_same_space(blocks, fetch_space(other))
+    # What a file has without it stays without it.
+    precompute(boundary, [node], FileName="later.palpate", **settings).UpdatePipeline()
+    later = precompute(boundary, [node], FileName="later.palpate", EstimateMeshError=1, **settings)
+    expect_silence(later.UpdatePipeline)
+    assert "MeshError" not in arrays_of(fetch_space(later)["Configurations"].GetPointData())
+
+
 def test_tolerance():
     boundary = scene("tolerance", quadratic=False)
     node = node_at(boundary, CORNER)

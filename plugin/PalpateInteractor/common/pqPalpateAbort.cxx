@@ -21,7 +21,7 @@ namespace
 /// The filters that report their progress while they work, and learn from that call that they are
 /// to abort.
 const QStringList Aborts = { "AccuracyReport", "BuildReducedModel", "PrecomputeStateSpace",
-  "SimulateTouch", "SolveDynamics", "SolveEquilibrium", "TetrahedralizeLabelMap",
+  "RefineMesh", "SimulateTouch", "SolveDynamics", "SolveEquilibrium", "TetrahedralizeLabelMap",
   "TetrahedralizeSurface" };
 
 pqProgressManager* Progress()

@@ -30,6 +30,12 @@ inline void expect_equal(const TouchToolSpace& x, const TouchToolSpace& y) {
     EXPECT_TRUE(same_bits(c.force.data(), d.force.data(), 3));
     EXPECT_TRUE(same_bits(c.stiffness.data(), d.stiffness.data(), 9));
     EXPECT_TRUE(same_bits(&c.energy, &d.energy, 1));
+    EXPECT_EQ(c.mesh_error.is_known(), d.mesh_error.is_known());
+    if (c.mesh_error.is_known()) {
+      EXPECT_TRUE(same_bits(&c.mesh_error.energy, &d.mesh_error.energy, 1));
+      EXPECT_TRUE(same_bits(c.mesh_error.force.data(), d.mesh_error.force.data(), 3));
+      EXPECT_EQ(c.mesh_error.is_reliable, d.mesh_error.is_reliable);
+    }
     EXPECT_EQ(c.has_third_derivative(), d.has_third_derivative());
     if (c.has_third_derivative()) {
       EXPECT_TRUE(same_bits(c.third_derivative.data(), d.third_derivative.data(), 10));

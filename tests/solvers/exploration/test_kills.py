@@ -33,6 +33,16 @@ def start(program, mpiexec, ranks, file, how):
     return job, pids
 
 
+def runs(pid):
+    """Whether a process does. One that has ended may stay for seconds until init takes note."""
+    try:
+        with open(f"/proc/{pid}/stat", encoding="ascii") as stat:
+            state = stat.read().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state not in "XZ"
+
+
 def finish(job):
     """(solved, reused) of a run that nobody disturbs."""
     out, error = job.communicate(timeout=200)
@@ -73,7 +83,7 @@ def main():
                     pass
                 job.communicate()
                 for pid in pids:  # no rank outlives its job
-                    while os.path.exists(f"/proc/{pid}"):
+                    while runs(pid):
                         time.sleep(0.01)
                 left -= 1
                 after = configurations(file)

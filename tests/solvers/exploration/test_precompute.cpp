@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <string>
 
 #include "base/error.h"
@@ -163,6 +164,48 @@ TEST_F(Precompute, ALargerBoxAndAHigherForceLimitKeepWhatIsThere) {
       EXPECT_LE((grown[c].force - whole[c].force).norm(), 1e-6 * (1e-3 + whole[c].force.norm()));
     }
   }
+}
+
+TEST_F(Precompute, TheErrorOfTheMeshIsKeptWithEachConfiguration) {
+  options_.active_nodes = {block_.middle};
+  options_.half_width = 0.004;
+  options_.estimate_mesh_error = true;
+  options_.file = folder_ / "a.palpate";
+  const PrecomputeResult found = run(*world_);
+  const PrecomputeResult again = run(*world_);
+  EXPECT_EQ(again.report.num_solved, 0);
+  if (world_->rank() != 0) return;
+  expect_equal(again.space, found.space);
+  options_.file.clear();
+  expect_equal(run(*serial_).space, found.space);
+
+  // Its force is minus the gradient of its energy.
+  const TouchToolSpace& space = found.space.tool_spaces[0];
+  std::map<CheckPoint, const ConfigurationSummary*> at;
+  double largest = 0;
+  for (const ConfigurationSummary& c : space.configurations) {
+    ASSERT_TRUE(c.mesh_error.is_known());
+    EXPECT_LE(c.mesh_error.energy, 0);
+    at[c.check_point] = &c;
+    largest = std::max(largest, c.mesh_error.force.norm());
+  }
+  EXPECT_GT(largest, 0.01 * largest_force(space.configurations));
+  const double spacing = space.setup.grid.spacing();
+  int num_compared = 0;
+  for (const auto& [check_point, c] : at) {
+    for (int a = 0; a < 3; ++a) {
+      CheckPoint before = check_point;
+      CheckPoint after = check_point;
+      --before[a];
+      ++after[a];
+      if (at.count(before) == 0 || at.count(after) == 0) continue;
+      const double slope =
+          (at[after]->mesh_error.energy - at[before]->mesh_error.energy) / (2 * spacing);
+      EXPECT_NEAR(c->mesh_error.force[a], -slope, 0.01 * largest);
+      ++num_compared;
+    }
+  }
+  EXPECT_EQ(num_compared, 3 * 75);
 }
 
 TEST_F(Precompute, RestIsACheckPointWithoutForce) {

@@ -69,6 +69,7 @@ class DamageTest : public testing::Test {
   [[nodiscard]] Configuration configuration(const CheckPoint& check_point) const {
     Configuration c = example_configuration(scene_, tool_space_, check_point);
     c.third_derivative = test::example_third_derivative(c.t);
+    c.mesh_error = {-1e-3 * c.energy, 0.1 * c.force, true};
     test::add_pressures(scene_, c);
     return c;
   }
@@ -131,6 +132,9 @@ class DamageTest : public testing::Test {
           const Configuration right = configuration(c.check_point);
           EXPECT_EQ(rows::checksum({kNode}, c, rows::checksum(rows::fields_of(c))),
                     rows::checksum({kNode}, right, rows::checksum(rows::fields_of(right))));
+          EXPECT_TRUE(!left_out.empty() || rows::checksum_of_mesh_error({kNode}, c) ==
+                                               rows::checksum_of_mesh_error({kNode}, right));
+          EXPECT_TRUE(!c.mesh_error.is_known() || c.mesh_error.energy == right.mesh_error.energy);
           const bool starts = c.check_point == CheckPoint{0, 0, 0};
           EXPECT_TRUE(!starts || !left_out.empty() ||
                       c.reached[neighbour_number({0, 0, 0}, {1, 0, 0})] == 0);

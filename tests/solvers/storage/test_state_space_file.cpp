@@ -58,6 +58,12 @@ void expect_same_summary(const ConfigurationSummary& a, const ConfigurationSumma
   if (a.has_third_derivative()) {
     EXPECT_TRUE(same_bits(a.third_derivative, b.third_derivative));
   }
+  EXPECT_EQ(a.mesh_error.is_known(), b.mesh_error.is_known());
+  if (a.mesh_error.is_known()) {
+    EXPECT_EQ(std::memcmp(&a.mesh_error.energy, &b.mesh_error.energy, sizeof(double)), 0);
+    EXPECT_TRUE(same_bits(a.mesh_error.force, b.mesh_error.force));
+    EXPECT_EQ(a.mesh_error.is_reliable, b.mesh_error.is_reliable);
+  }
   EXPECT_EQ(a.outcome, b.outcome);
   EXPECT_EQ(a.flags, b.flags);
   EXPECT_EQ(a.residual, b.residual);
@@ -205,6 +211,7 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   odd.negative_pivots = 2;
   odd.third_derivative = example_third_derivative(odd.t);
   odd.third_derivative[3] = -0.0;
+  odd.mesh_error = {-0.0, Vec3(1.0 / 7, -1e-320, 0), true};
   odd.u[4] = -0.0;
   odd.u[5] = 5e-324;
   add_pressures(scene_, odd);
@@ -217,6 +224,7 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   const Configuration rest = example_configuration(scene_, tool_space_, {0, 0, 0});
   Configuration other_level = rest;
   other_level.level = 1;
+  other_level.mesh_error = {-1e-5, Vec3(3, 2, 1), false};
   {
     StateSpaceFile file = create();
     for (const Configuration& c : {other_level, failed, rest, odd}) {
@@ -1089,7 +1097,9 @@ TEST_F(StateSpaceFileTest, CandidatesGetTheirLevelOrGo) {
   other.level = candidate_level(start, 0, target);
   other.parent = start;
   other.signature = Vec3(1, 2, 3);
+  other.mesh_error = {-1e-4, Vec3(0.1, 0, 0), true};
   Configuration same = known;
+  same.mesh_error = {-2e-4, Vec3(0.2, 0, 0), true};
   same.level = candidate_level(start, 1, target);
   {
     StateSpaceFile file = create();
@@ -1128,6 +1138,32 @@ TEST_F(StateSpaceFileTest, CandidatesGetTheirLevelOrGo) {
   EXPECT_TRUE(file.read_fields({node}, all[2]));
   expect_same(all[1], known);
   expect_same(all[2], other);
+}
+
+TEST_F(StateSpaceFileTest, TheErrorOfTheMeshTakesATableWhereItIsKnown) {
+  const ToolSpaceKey key{tool_space_.interaction.active_node};
+  Configuration c = example_configuration(scene_, tool_space_, {1, 0, 0});
+  const auto num_tables = [&] {
+    return sqlite::Database(path_, sqlite::Access::read_only)
+        .integer("SELECT count(*) FROM sqlite_master WHERE name = 'mesh_error'");
+  };
+  const auto store = [&](StateSpaceFile file) {
+    file.add(key, c);
+    file.close();
+  };
+  const auto stored = [&] {
+    return StateSpaceFile::open_read_only(path_).read_summaries(key).at(0);
+  };
+  store(create());
+  EXPECT_EQ(num_tables(), 0);
+  c.mesh_error = {-1e-4, Vec3(0.1, 0, 0), true};
+  store(StateSpaceFile::open_to_append(path_, scene_, kTolerance));
+  EXPECT_EQ(num_tables(), 1);
+  expect_same_summary(stored(), c);
+  // It goes with the configuration that has it.
+  c.mesh_error = {};
+  store(StateSpaceFile::open_to_append(path_, scene_, kTolerance));
+  EXPECT_FALSE(stored().mesh_error.is_known());
 }
 
 TEST_F(StateSpaceFileTest, MergesFilesOfRanks) {

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "discretisation/mesh_adaptation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "assembly/refined_scene.h"
+#include "base/error.h"
+#include "base/quantity.h"
+
+namespace palpate {
+namespace {
+
+/// The divided cells have at least this share of the error, and at most that.
+constexpr double kLeastShare = 0.2;
+constexpr double kLargestShare = 0.6;
+/// A divided quadratic cell keeps little of its error.
+constexpr double kShareForError = 1.15;
+
+/// Near the largest number of cells fewer are divided, but a mesh that has not so many times the
+/// cells of the one before is not worth its solves.
+constexpr double kLeastGrowth = 1.1;
+
+/// So many meshes without a known error end the adaptation.
+constexpr int kMostUnknown = 3;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+void check(const AdaptationOptions& options) {
+  if (!(options.tolerance > 0)) {
+    throw InputError("The largest error of the force that the mesh may cause is " +
+                     quantity(options.tolerance, "") + " of it. Give a share above 0.");
+  }
+  if (options.max_cells < 1) {
+    throw InputError("A mesh of at most " + std::to_string(options.max_cells) +
+                     " cells was asked for. Give at least 1.");
+  }
+}
+
+double of_cell(const TouchOnMesh& touch, std::size_t cell) {
+  const double energy = touch.energy_of_cells[cell];
+  return std::isfinite(energy) && energy > 0 ? energy : 0;
+}
+
+/// Whether a touch needs no finer mesh.
+bool is_within(const AdaptationRound& round, std::size_t touch, const AdaptationOptions& options) {
+  // The first mesh has none before it.
+  const bool has_changed = round.changes[touch] > options.tolerance;
+  return round.is_known[touch] != 0 && !has_changed &&
+         kSafetyOfEstimate * round.errors[touch] <= options.tolerance;
+}
+
+/// Marks those cells that have most of the error of the touches beyond the tolerance.
+/// @param part Of the cells that would be divided if there were no largest number of cells.
+std::vector<char> choose_cells(const std::vector<TouchOnMesh>& touches,
+                               const AdaptationRound& round, const AdaptationOptions& options,
+                               double part) {
+  // The share that a cell has of the error of some touch.
+  std::vector<double> shares(static_cast<std::size_t>(round.num_cells), 0);
+  double wanted = kLeastShare;
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    if (is_within(round, i, options)) continue;
+    double sum = 0;
+    for (std::size_t c = 0; c < shares.size(); ++c) sum += of_cell(touches[i], c);
+    for (std::size_t c = 0; c < shares.size() && sum > 0; ++c) {
+      shares[c] = std::max(shares[c], of_cell(touches[i], c) / sum);
+    }
+    const double kept = options.tolerance / (kSafetyOfEstimate * round.errors[i]);
+    const double needed = round.is_known[i] != 0 ? kShareForError * (1 - kept) : kLargestShare;
+    wanted = std::clamp(needed, wanted, kLargestShare);
+  }
+  std::vector<std::size_t> order(shares.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return shares[a] > shares[b]; });
+  const double all = std::accumulate(shares.begin(), shares.end(), 0.0);
+  std::vector<char> chosen(shares.size(), 0);
+  double sum = 0;
+  for (const std::size_t c : order) {
+    if (sum >= part * wanted * all) break;
+    chosen[c] = 1;
+    sum += shares[c];
+  }
+  return chosen;
+}
+
+/// A finer mesh that has no more than the largest number of cells, or nothing.
+std::optional<Refinement> finer(const TetMesh& mesh, const std::vector<TouchOnMesh>& touches,
+                                const AdaptationRound& round, const AdaptationOptions& options) {
+  const double least = kLeastGrowth * mesh.num_cells();
+  for (double part = 1;; part /= 2) {
+    Refinement refinement = refine(mesh, choose_cells(touches, round, options, part));
+    const Index num_cells = refinement.mesh.num_cells();
+    if (num_cells <= options.max_cells && (part == 1 || num_cells >= least)) return refinement;
+    if (num_cells < least) return std::nullopt;
+  }
+}
+
+/// @param before The touches on the mesh before; empty: there is none.
+AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
+                        const std::vector<TouchOnMesh>& before, Index num_cells) {
+  AdaptationRound round;
+  round.num_cells = num_cells;
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    const TouchOnMesh& touch = touches[i];
+    const double force = touch.force.size() > 0 ? touch.force.norm() : 0;
+    round.errors.push_back(force > 0 ? touch.error.norm() / force : kNaN);
+    const bool may_compare = !before.empty() && before[i].is_known && touch.is_known;
+    round.changes.push_back(
+        may_compare
+            ? ((touch.force - touch.error) - (before[i].force - before[i].error)).norm() / force
+            : kNaN);
+    round.is_known.push_back(touch.is_known ? 1 : 0);
+  }
+  return round;
+}
+
+/// Whether no touch that needs a finer mesh says which cells have an error.
+bool says_nothing(const std::vector<TouchOnMesh>& touches, const AdaptationRound& round,
+                  const AdaptationOptions& options) {
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    if (is_within(round, i, options)) continue;
+    for (std::size_t c = 0; c < touches[i].energy_of_cells.size(); ++c) {
+      if (of_cell(touches[i], c) > 0) return false;
+    }
+  }
+  return true;
+}
+
+/// Whether the error of some touch was not known on the last meshes.
+bool stays_unknown(const std::vector<AdaptationRound>& rounds) {
+  if (rounds.size() < kMostUnknown) return false;
+  for (std::size_t i = 0; i < rounds.back().is_known.size(); ++i) {
+    if (std::all_of(rounds.end() - kMostUnknown, rounds.end(),
+                    [&](const AdaptationRound& round) { return round.is_known[i] == 0; })) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+AdaptedMesh adapt_mesh(Scene scene, const AdaptationOptions& options, const TouchMesh& touch) {
+  check(options);
+  AdaptedMesh adapted;
+  adapted.scene = std::move(scene);
+  std::vector<TouchOnMesh> before;
+  for (;;) {
+    std::vector<TouchOnMesh> touches = touch(adapted.scene);
+    if (touches.empty()) {
+      adapted.end = AdaptationEnd::stopped;
+      return adapted;
+    }
+    const Index num_cells = adapted.scene.body.mesh.num_cells();
+    adapted.rounds.push_back(summary(touches, before, num_cells));
+    const AdaptationRound& round = adapted.rounds.back();
+    bool all_within = true;
+    for (std::size_t i = 0; i < touches.size(); ++i) {
+      all_within = all_within && is_within(round, i, options);
+    }
+    if (all_within) return adapted;
+    if (stays_unknown(adapted.rounds) || says_nothing(touches, round, options)) {
+      adapted.end = AdaptationEnd::not_known;
+      return adapted;
+    }
+    std::optional<Refinement> refinement = finer(adapted.scene.body.mesh, touches, round, options);
+    if (!refinement) {
+      adapted.end = AdaptationEnd::too_many_cells;
+      return adapted;
+    }
+    adapted.scene = refined(adapted.scene, *refinement);
+    adapted.refinements.push_back(std::move(*refinement));
+    before = std::move(touches);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A mesh that is fine where touches need it: the touches are solved for, the cells with most of the
+// error of the mesh are divided, and this is repeated until the force of each touch is as exact as
+// is asked for (Dörfler, A convergent adaptive algorithm for Poisson's equation, SIAM J. Numer.
+// Anal. 33, 1996, chooses the cells in the same way).
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "assembly/scene.h"
+#include "mesh/refinement.h"
+
+namespace palpate {
+
+/// What one touch says of a mesh.
+struct TouchOnMesh {
+  /// The force of the tool and by how much it is too large, estimated [d], N; empty where the touch
+  /// has no equilibrium.
+  Eigen::VectorXd force;
+  Eigen::VectorXd error;
+  /// Whether there is an equilibrium and its error is small, so that it tells when the mesh is fine
+  /// enough.
+  bool is_known = true;
+  /// See MeshErrorEstimate [num_cells], J. Values that are not finite or not positive are not read.
+  std::vector<double> energy_of_cells;
+};
+
+struct AdaptationOptions {
+  /// The largest error of the force of a touch, as a share of it, above 0.
+  double tolerance = 0.05;
+  /// The mesh gets no more cells than this, at least 1.
+  Index max_cells = 20000;
+};
+
+struct AdaptationRound {
+  Index num_cells = 0;
+  /// The estimated error of each touch as a share of its force; NaN where it has no equilibrium.
+  std::vector<double> errors;
+  /// By how much the force less its error differs from that on the mesh before, as a share; NaN for
+  /// the first mesh, and where one of both is not known.
+  std::vector<double> changes;
+  /// TouchOnMesh::is_known of each touch.
+  std::vector<char> is_known;
+};
+
+enum class AdaptationEnd : int {
+  /// The error of all touches is within the tolerance.
+  reached = 0,
+  /// A finer mesh would have too many cells.
+  too_many_cells = 1,
+  /// The caller wished to stop.
+  stopped = 2,
+  /// The error of some touch was not known on several meshes, one after the other, or no touch that
+  /// needs a finer mesh says where.
+  not_known = 3,
+};
+
+struct AdaptedMesh {
+  Scene scene;
+  /// From the mesh of the scene at the start to that of the scene above, one after the other.
+  std::vector<Refinement> refinements;
+  /// The last one tells of the mesh of the scene above.
+  std::vector<AdaptationRound> rounds;
+  AdaptationEnd end = AdaptationEnd::reached;
+};
+
+/// By how much the true error may be larger than its estimate: meshes are refined until the
+/// estimate times this is within the tolerance. The change from the mesh before must be, too: it
+/// shows what the estimate does not see, such as the outline of a bonded patch.
+inline constexpr double kSafetyOfEstimate = 1.5;
+
+/// Solves for all touches on the mesh of a scene. Returns nothing to stop.
+using TouchMesh = std::function<std::vector<TouchOnMesh>(const Scene&)>;
+
+/// @param scene A scene that was checked.
+/// @throws InputError an option is not valid.
+[[nodiscard]] AdaptedMesh adapt_mesh(Scene scene, const AdaptationOptions& options,
+                                     const TouchMesh& touch);
+
+}  // namespace palpate
