@@ -34,7 +34,6 @@ using palpate::InputError;
 constexpr vtkIdType MostPoints = std::numeric_limits<Index>::max() / 3;
 
 constexpr const char* BodyForceName = "BodyForce";
-constexpr const char* RestDisplacementName = "RestDisplacement";
 
 /// Fills `materials`, each once, and `material_of_cell`.
 /// @param rheologies Null: they are not read.
@@ -272,7 +271,7 @@ palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid, palpate::Settle
 {
   atRest = {};
   vtkDataArray* force = grid->GetFieldData()->GetArray(BodyForceName);
-  vtkDataArray* displacement = grid->GetPointData()->GetArray(RestDisplacementName);
+  vtkDataArray* displacement = grid->GetPointData()->GetArray(vtkPalpateArray::RestDisplacement);
   palpate::Vec3 acceleration = palpate::Vec3::Zero();
   const bool isForce = force && force->GetNumberOfValues() == 3;
   if (isForce)
@@ -289,7 +288,7 @@ palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid, palpate::Settle
   {
     throw InputError(std::string("The body of the state space rests under a load, but has not both "
                                  "that (as its weight, the field array ") +
-      BodyForceName + ") and the point array " + RestDisplacementName +
+      BodyForceName + ") and the point array " + vtkPalpateArray::RestDisplacement +
       " of three components. Read or compute the space again.");
   }
   atRest.u.resize(3 * static_cast<Eigen::Index>(scene.body.mesh.num_points()));
@@ -336,7 +335,8 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(
   }
   if (atRest.u.size() > 0)
   {
-    grid->GetPointData()->AddArray(vtkPalpateNodalArray(RestDisplacementName, atRest.u));
+    grid->GetPointData()->AddArray(
+      vtkPalpateNodalArray(vtkPalpateArray::RestDisplacement, atRest.u));
   }
   return grid;
 }

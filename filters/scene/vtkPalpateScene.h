@@ -41,6 +41,7 @@ inline constexpr const char* SupportStiffness = "SupportStiffness";
 inline constexpr const char* AppliedPressure = "AppliedPressure";
 inline constexpr const char* AppliedTraction = "AppliedTraction";
 inline constexpr const char* Displacement = "Displacement";
+inline constexpr const char* RestDisplacement = "RestDisplacement";
 inline constexpr const char* ContactPressure = "ContactPressure";
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <string>
 #include <utility>
 
@@ -98,18 +97,6 @@ void AddCells(vtkUnstructuredGrid* output, const char* name, const std::vector<d
   array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()));
   std::copy(values.begin(), values.end(), array->GetPointer(0));
   output->GetCellData()->AddArray(array);
-}
-
-/// Whether there is a tool that is bonded to one point only.
-bool HoldsASinglePoint(const palpate::Interaction& tools)
-{
-  std::map<palpate::Index, int> numPoints;
-  for (const palpate::PrescribedPoint& point : tools.prescribed_points())
-  {
-    ++numPoints[point.coordinate];
-  }
-  return std::any_of(
-    numPoints.begin(), numPoints.end(), [](const auto& tool) { return tool.second == 1; });
 }
 
 }
@@ -257,7 +244,7 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene,
 {
   const palpate::MeshErrorEstimate estimate =
     palpate::MeshErrorEstimator(scene, solver.assembly()).estimate(state);
-  const bool holdsPoint = HoldsASinglePoint(*route.Tool);
+  const bool holdsPoint = palpate::holds_single_point(*route.Tool);
   const bool isReliable = estimate.is_reliable && !holdsPoint;
   vtkPalpateAddField<vtkDoubleArray>(output, "MeshError", 3, estimate.force);
   vtkPalpateAddInteger(output, "MeshErrorReliable", isReliable ? 1 : 0);

@@ -39,7 +39,7 @@ constexpr const char* ValueArray = "PalpateValue";
 constexpr const char* ErrorArray = "PalpateError";
 
 /// The points, polygons and strips that no other rank owns.
-vtkSmartPointer<vtkPolyData> OwnPiece(vtkPolyData* input)
+vtkSmartPointer<vtkPolyData> OwnPiece(vtkPolyData* input, bool withArrays)
 {
   auto piece = vtkSmartPointer<vtkPolyData>::New();
   if (!input)
@@ -50,6 +50,10 @@ vtkSmartPointer<vtkPolyData> OwnPiece(vtkPolyData* input)
   if (piece->HasAnyGhostCells())
   {
     piece->RemoveGhostCells();
+  }
+  if (withArrays)
+  {
+    return piece;
   }
   auto structure = vtkSmartPointer<vtkPolyData>::New();
   structure->CopyStructure(piece);
@@ -312,9 +316,9 @@ vtkPalpateTissueSurfaces TissuesOf(
 }
 
 vtkSmartPointer<vtkPolyData> vtkPalpateGatherSurface(
-  vtkPolyData* surface, vtkMultiProcessController* controller)
+  vtkPolyData* surface, vtkMultiProcessController* controller, bool withArrays)
 {
-  auto piece = OwnPiece(surface);
+  auto piece = OwnPiece(surface, withArrays);
   if (!controller || controller->GetNumberOfProcesses() == 1)
   {
     return piece;

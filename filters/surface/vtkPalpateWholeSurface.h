@@ -12,13 +12,14 @@ class vtkDataObject;
 class vtkMultiProcessController;
 class vtkPolyData;
 
-/// The points, polygons and strips of all ranks, without arrays and without what other ranks own,
-/// on rank 0; null on the others.
+/// The points, polygons and strips of all ranks, without what other ranks own, on rank 0; null on
+/// the others.
 /// @param piece The piece that this rank has; null: it has none.
 /// @param controller The ranks; null: one.
+/// @param withArrays Whether arrays of points and cells that all pieces have are kept.
 /// @note Collective.
 PALPATESURFACE_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateGatherSurface(
-  vtkPolyData* piece, vtkMultiProcessController* controller);
+  vtkPolyData* piece, vtkMultiProcessController* controller, bool withArrays = false);
 
 /// The surfaces of several tissues as one.
 struct vtkPalpateTissueSurfaces

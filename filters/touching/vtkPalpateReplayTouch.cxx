@@ -289,7 +289,11 @@ struct vtkPalpateReplayTouch::Replay
 
   vtkMTimeType InputTime = 0;
   vtkNew<vtkPalpateTouchStateSpace> Touch;
+  /// Shows the surface in place of that of the body.
+  vtkPalpateDisplaySurface Display;
   std::string SceneHash;
+  /// On rank 0.
+  vtkPalpateDisplaySurface::Carrier Carrier;
   bool HasRigidTool = false;
   /// The tool's surface around its middle; by body and active node, −1: the rigid tool.
   std::map<std::pair<vtkIdType, vtkIdType>, vtkSmartPointer<vtkPolyData>> Shapes;
@@ -333,6 +337,7 @@ struct vtkPalpateReplayTouch::Replay
     }
     const palpate::TouchSpace space = vtkPalpateSpaceFromCollection(input, controller);
     this->SceneHash = space.scene_hash;
+    this->Carrier = vtkPalpateCarrierOfSpace(space, input);
     this->Shapes.clear();
     this->HasRigidTool = space.find_pressing() != nullptr;
     for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
@@ -413,6 +418,10 @@ struct vtkPalpateReplayTouch::Replay
       }
     }
     this->Finish(frame, total, output);
+    if (this->Display.IsGiven() && output->GetNumberOfPoints() > 0)
+    {
+      this->Display.Follow(output);
+    }
   }
 
 private:
@@ -444,14 +453,19 @@ vtkStandardNewMacro(vtkPalpateReplayTouch);
 vtkPalpateReplayTouch::vtkPalpateReplayTouch()
   : Cache(std::make_unique<Replay>())
 {
+  this->SetNumberOfInputPorts(2);
   this->SetNumberOfOutputPorts(NumberOfPorts);
 }
 
 vtkPalpateReplayTouch::~vtkPalpateReplayTouch() = default;
 
-int vtkPalpateReplayTouch::FillInputPortInformation(int, vtkInformation* info)
+int vtkPalpateReplayTouch::FillInputPortInformation(int port, vtkInformation* info)
 {
-  vtkPalpateTakeWhole(info, "vtkPartitionedDataSetCollection");
+  vtkPalpateTakeWhole(info, port == 0 ? "vtkPartitionedDataSetCollection" : "vtkPolyData");
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  }
   return 1;
 }
 
@@ -532,6 +546,12 @@ int vtkPalpateReplayTouch::RequestData(
             frame = replay.Recorded->At(time);
           }
         });
+      const std::string warning = replay.Display.Take(
+        inputVector[1], replay.InputTime, controller, ranks, [&] { return replay.Carrier; });
+      if (!warning.empty())
+      {
+        vtkPalpateWarn(this, warning);
+      }
       replay.MakeSurface(frame, controller, surface);
       if (!shows || surface->GetNumberOfPoints() == 0)
       {

@@ -13,10 +13,13 @@
  *   Force     a vertex at the middle of the tool, with the point array `Force`: that of the body on
  *             the tool, N
  *
- * with the field arrays `Time` (s), `Contact` (numbers of palpate::ContactStatus) and `Found` (of
- * palpate::Support). A tick in which several active nodes were moved shows their weighted mean, as
- * the loop felt it. Branches are not recorded: the body is shown on the branch that it reaches on a
- * straight way from rest.
+ * With a second input, a surface of the same organ, the first output is that surface, carried by
+ * the body, with its own arrays too.
+ *
+ * The outputs have the field arrays `Time` (s), `Contact` (numbers of palpate::ContactStatus) and
+ * `Found` (of palpate::Support). A tick in which several active nodes were moved shows their
+ * weighted mean, as the loop felt it. Branches are not recorded: the body is shown on the branch
+ * that it reaches on a straight way from rest.
  *
  * Under MPI the result is whole on rank 0 and empty elsewhere.
  */

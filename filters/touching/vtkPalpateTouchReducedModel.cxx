@@ -16,8 +16,10 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateCommunicator.h"
+#include "vtkPalpateDisplaySurface.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFrameTimes.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateReducedModel.h"
 #include "vtkPalpateScene.h"
@@ -62,7 +64,12 @@ struct vtkPalpateTouchReducedModel::Prepared
 
 vtkStandardNewMacro(vtkPalpateTouchReducedModel);
 
-vtkPalpateTouchReducedModel::vtkPalpateTouchReducedModel() = default;
+vtkPalpateTouchReducedModel::vtkPalpateTouchReducedModel()
+  : Display(std::make_unique<vtkPalpateDisplaySurface>())
+{
+  this->SetNumberOfInputPorts(2);
+}
+
 vtkPalpateTouchReducedModel::~vtkPalpateTouchReducedModel() = default;
 
 void vtkPalpateTouchReducedModel::AddCoordinate(double coordinate)
@@ -77,9 +84,13 @@ void vtkPalpateTouchReducedModel::ClearCoordinates()
   this->Modified();
 }
 
-int vtkPalpateTouchReducedModel::FillInputPortInformation(int, vtkInformation* info)
+int vtkPalpateTouchReducedModel::FillInputPortInformation(int port, vtkInformation* info)
 {
-  vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
+  vtkPalpateTakeWhole(info, port == 0 ? "vtkUnstructuredGrid" : "vtkPolyData");
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  }
   return 1;
 }
 
@@ -114,12 +125,29 @@ int vtkPalpateTouchReducedModel::RequestData(
           });
         this->Cache = std::move(prepared);
       }
+      if (!palpate::any(ranks, this->Cache->Body != nullptr))
+      {
+        return;
+      }
+      const palpate::Surface& surface = this->Cache->Surface;
+      const std::string warning = this->Display->Take(inputVector[1], inputTime, controller, ranks,
+        [&] {
+          return vtkPalpateDisplaySurface::Carrier{ surface.points, surface.triangles, {} };
+        });
+      if (!warning.empty())
+      {
+        vtkPalpateWarn(this, warning);
+      }
       palpate::agree(ranks,
         [&]
         {
           if (this->Cache->Body)
           {
             this->Show(output);
+          }
+          if (this->Display->IsGiven())
+          {
+            this->Display->Follow(output);
           }
         });
     });

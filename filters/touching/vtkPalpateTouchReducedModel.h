@@ -6,7 +6,9 @@
  * Input: a body with its reduced model (vtkPalpateReducedModel.h).
  *
  * Output: the surface of the body, displaced by u = (Φ, L) y (see reduced/reduced_model.h), with
- * the point array `Displacement` (m) and normals. The whole of it is on rank 0.
+ * the point array `Displacement` (m) and normals. With a second input, a surface of the same
+ * organ, it is that surface, carried by the body, with its own arrays too. The whole of it is on
+ * rank 0.
  *
  * Everything that does not change with the coordinates is kept from one update to the next.
  */
@@ -17,6 +19,8 @@
 
 #include "PalpateTouchingModule.h"
 #include "vtkPolyDataAlgorithm.h"
+
+class vtkPalpateDisplaySurface;
 
 class PALPATETOUCHING_EXPORT vtkPalpateTouchReducedModel : public vtkPolyDataAlgorithm
 {
@@ -49,4 +53,5 @@ private:
   std::vector<double> Coordinates;
   /// The parts that depend on the input alone; they are made anew when the input changes.
   std::unique_ptr<Prepared> Cache;
+  std::unique_ptr<vtkPalpateDisplaySurface> Display;
 };

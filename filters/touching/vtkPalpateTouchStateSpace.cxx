@@ -30,6 +30,7 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateCommunicator.h"
+#include "vtkPalpateDisplaySurface.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateScene.h"
@@ -193,7 +194,8 @@ struct vtkPalpateTouchStateSpace::Prepared
   /// A branch of a tool space. The parts are made when they are first needed.
   struct Branch
   {
-    std::map<int, std::unique_ptr<palpate::Interpolator>> Interpolators;
+    /// By the number of the method, and whether the error of the mesh is corrected.
+    std::map<std::pair<int, bool>, std::unique_ptr<palpate::Interpolator>> Interpolators;
     std::unique_ptr<palpate::DisplayField> Field;
     std::unique_ptr<palpate::BodyField> BodyField;
   };
@@ -248,15 +250,21 @@ struct vtkPalpateTouchStateSpace::Prepared
 vtkStandardNewMacro(vtkPalpateTouchStateSpace);
 
 vtkPalpateTouchStateSpace::vtkPalpateTouchStateSpace()
+  : Display(std::make_unique<vtkPalpateDisplaySurface>())
 {
+  this->SetNumberOfInputPorts(2);
   this->SetNumberOfOutputPorts(2);
 }
 
 vtkPalpateTouchStateSpace::~vtkPalpateTouchStateSpace() = default;
 
-int vtkPalpateTouchStateSpace::FillInputPortInformation(int, vtkInformation* info)
+int vtkPalpateTouchStateSpace::FillInputPortInformation(int port, vtkInformation* info)
 {
-  vtkPalpateTakeWhole(info, "vtkPartitionedDataSetCollection");
+  vtkPalpateTakeWhole(info, port == 0 ? "vtkPartitionedDataSetCollection" : "vtkPolyData");
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  }
   return 1;
 }
 
@@ -395,6 +403,12 @@ int vtkPalpateTouchStateSpace::RequestData(
         prepared->InputTime = input->GetMTime();
         this->Cache = std::move(prepared);
       }
+      const std::string warning = this->Display->Take(inputVector[1], this->Cache->InputTime,
+        controller, ranks, [&] { return vtkPalpateCarrierOfSpace(this->Cache->Space, input); });
+      if (!warning.empty())
+      {
+        vtkPalpateWarn(this, warning);
+      }
       bool isHere = true;
       palpate::agree(ranks,
         [&]
@@ -423,13 +437,16 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   const palpate::Vec3 start(presses ? this->ToolPosition : this->StartDisplacement);
   Prepared::Branch& branch =
     this->Cache->Find(toolSpace, start, this->StartBranch, t, this->Branch);
-  auto& interpolator = branch.Interpolators[this->Interpolation];
+  auto& interpolator = branch.Interpolators[{ this->Interpolation, this->CorrectMeshError }];
   if (!interpolator)
   {
     const auto method = static_cast<palpate::Method>(this->Interpolation);
     // The stiffness at rest is that of the branch that rest is on.
     const int of = method == palpate::Method::linear ? 0 : this->Cache->OnBranch;
-    interpolator = palpate::make_interpolator(method, this->Cache->SiteOnBranch(toolSpace, of));
+    palpate::InterpolationOptions options;
+    options.correct_mesh_error = this->CorrectMeshError;
+    interpolator =
+      palpate::make_interpolator(method, this->Cache->SiteOnBranch(toolSpace, of), options);
   }
   const palpate::TouchResult touch = interpolator->evaluate(t);
 
@@ -489,6 +506,14 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   AddInteger(output, "Found", static_cast<int>(touch.support));
   AddInteger(output, "Outcome",
     static_cast<int>(palpate::outcome_at(interpolator->grid(), toolSpace.configurations, t)));
+  if (const palpate::TouchMeshError& error = touch.mesh_error;
+      error.trust != palpate::MeshErrorTrust::none)
+  {
+    AddVector(output, "MeshError", 3, error.force.data());
+    AddVector(output, "MeshErrorBound", 1, &error.bound);
+    AddInteger(output, "MeshErrorReliable", error.trust == palpate::MeshErrorTrust::reliable);
+    AddInteger(output, "MeshErrorCorrected", error.is_corrected);
+  }
   if (presses)
   {
     AddVector(output, "ToolPosition", 3, t.data());
@@ -513,6 +538,10 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
     }
   }
   tryWith([&] { this->AddWholeBody(t.data(), touch, output, wholeBody); });
+  if (this->Display->IsGiven())
+  {
+    this->Display->Follow(output);
+  }
   if (std::exchange(this->Cache->Problem, problem) != problem && !problem.empty())
   {
     vtkErrorMacro(<< palpate::printable_message(problem));
@@ -534,6 +563,7 @@ void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "StartBranch: " << this->StartBranch << '\n'
      << indent << "Branch: " << this->Branch << '\n'
      << indent << "Interpolation: " << this->Interpolation << '\n'
+     << indent << "CorrectMeshError: " << this->CorrectMeshError << '\n'
      << indent << "Stress: " << this->Stress << '\n'
      << indent << "WholeBody: " << this->WholeBody << '\n';
 }

@@ -13,6 +13,12 @@
  *   `Found`             0 no, 1 inside, 2 extrapolated, 3 in a marked region (inverted or unstable)
  *   `Outcome`           how the solves ended from which the answer comes, see outcome_at() and
  *                       Outcome
+ *   `MeshError`         by how much the force of the mesh is too large, as estimated, N; with the
+ *                       next three, only of a space that has such estimates and by Energy Hermite
+ *   `MeshErrorBound`    how wrong the mesh makes Force, N, if the estimate is reliable
+ *   `MeshErrorReliable` whether it is
+ *   `MeshErrorCorrected`
+ *                       whether Force is smaller by MeshError already, see CorrectMeshError
  *   `Branch`            the branch that the body is on, in a space with levels; 0: that of rest
  *   `ActiveNode`        the active node
  *   `ActivePosition`    the displaced place of the active node, m
@@ -40,6 +46,9 @@
  * end (Branch). The output depends on the input and on the properties alone, not on earlier
  * executions.
  *
+ * With a second input, a surface of the same organ, the first output is that surface, carried by
+ * the body (mesh/surface_embedding.h): it has its own arrays, and those above, interpolated.
+ *
  * Everything that does not depend on the displacement is kept from one execution to the next. Under
  * MPI the result is whole on rank 0 and empty elsewhere.
  */
@@ -50,6 +59,7 @@
 #include "PalpateTouchingModule.h"
 #include "vtkPolyDataAlgorithm.h"
 
+class vtkPalpateDisplaySurface;
 class vtkUnstructuredGrid;
 
 namespace palpate
@@ -115,6 +125,13 @@ public:
   vtkGetMacro(Interpolation, int);
   ///@}
   ///@{
+  /// Whether the force is corrected for the error of the mesh, where the space has estimates that
+  /// allow it (solvers/interpolation/mesh_error_field.h).
+  vtkSetMacro(CorrectMeshError, bool);
+  vtkGetMacro(CorrectMeshError, bool);
+  vtkBooleanMacro(CorrectMeshError, bool);
+  ///@}
+  ///@{
   /// Whether stress and stretches are given.
   vtkSetMacro(Stress, bool);
   vtkGetMacro(Stress, bool);
@@ -163,8 +180,10 @@ private:
   int StartBranch = -1;
   int Branch = -1;
   int Interpolation = ENERGY_HERMITE;
+  bool CorrectMeshError = true;
   bool Stress = false;
   bool WholeBody = false;
   /// The space as it is touched; made anew when the input changes.
   std::unique_ptr<Prepared> Cache;
+  std::unique_ptr<vtkPalpateDisplaySurface> Display;
 };

@@ -7,6 +7,7 @@
 #include "vtkFloatArray.h"
 #include "vtkNew.h"
 #include "vtkPalpateScene.h"
+#include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
@@ -30,6 +31,31 @@ void vtkPalpateShowDisplaced(const palpate::Surface& rest, vtkCellArray* triangl
   output->SetPoints(points);
   output->SetPolys(triangles);
   vtkPalpateAddDisplacement(displacement, output);
+}
+
+vtkPalpateDisplaySurface::Carrier vtkPalpateCarrierOfSpace(
+  const palpate::TouchSpace& space, vtkPartitionedDataSetCollection* input)
+{
+  vtkPalpateDisplaySurface::Carrier carrier{ space.surface.points, space.surface.triangles, {} };
+  vtkDataArray* settled = nullptr;
+  for (unsigned int block = 0; block < input->GetNumberOfPartitionedDataSets() && !settled; ++block)
+  {
+    vtkDataSet* body =
+      input->GetNumberOfPartitions(block) > 0 ? input->GetPartition(block, 0) : nullptr;
+    settled = body ? body->GetPointData()->GetArray(vtkPalpateArray::RestDisplacement) : nullptr;
+  }
+  if (!settled)
+  {
+    return carrier;
+  }
+  carrier.Settled.resize(3 * static_cast<Eigen::Index>(carrier.Points.size()));
+  for (std::size_t p = 0; p < carrier.Points.size(); ++p)
+  {
+    const palpate::Vec3 by(settled->GetTuple3(space.surface.mesh_points[p]));
+    carrier.Settled.segment<3>(3 * static_cast<Eigen::Index>(p)) = by.cast<float>();
+    carrier.Points[p] -= by;
+  }
+  return carrier;
 }
 
 void vtkPalpateAddDisplacement(vtkFloatArray* displacement, vtkPolyData* displaced)

@@ -2,10 +2,12 @@
 // The surface of a body that is touched, as it is shown.
 #pragma once
 
-#include "state_space/surface.h"
+#include "state_space/touch_space.h"
+#include "vtkPalpateDisplaySurface.h"
 
 class vtkCellArray;
 class vtkFloatArray;
+class vtkPartitionedDataSetCollection;
 class vtkPolyData;
 
 /// Gives the output the surface as it is displaced.
@@ -13,6 +15,12 @@ class vtkPolyData;
 /// @param u The displacement of its points [3 points], m.
 void vtkPalpateShowDisplaced(const palpate::Surface& rest, vtkCellArray* triangles,
   const Eigen::VectorXf& u, vtkPolyData* output);
+
+/// The surface of the first body of a space as it was meshed. That of the space is at rest, and a
+/// body may sag: the block of the body says by how much, where there is one.
+/// @param input The space.
+vtkPalpateDisplaySurface::Carrier vtkPalpateCarrierOfSpace(
+  const palpate::TouchSpace& space, vtkPartitionedDataSetCollection* input);
 
 /// Gives a surface whose points are displaced the displacement, as its vectors and scalars, and the
 /// normals of its points.

@@ -89,8 +89,8 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
       app.add_option("--reduced", line.reduced,
                      "Touches this reduced model of the file, from 1, in place of its state space; "
                      "a file with one model and no state space does not need it. --node, --method, "
-                     "--bonded, --release-force, --no-blending, --friction and --replay are not "
-                     "for it")
+                     "--bonded, --release-force, --no-blending, --no-mesh-correction, --friction "
+                     "and --replay are not for it")
           ->type_name("NUMBER");
   app.add_option("--step", line.step,
                  "From step to step of a reduced body, s: one that misses many needs more");
@@ -156,6 +156,8 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
               "The nearest active node is moved alone, not the three of the triangle");
   add_without(app, "--no-passivity-control", settings.passivity_control,
               "No damping is added when the loop makes energy");
+  add_without(app, "--no-mesh-correction", line.touchable.interpolation.correct_mesh_error,
+              "The force of a space with estimates of the error of its mesh is not corrected");
   add_without(app, "--no-realtime", realtime, "No real-time priority is asked for");
 
   try {

@@ -42,8 +42,8 @@ void check_reduced(const CommandLine& line) {
         "the "
         "body along it, as the page of that filter says.");
   }
-  for (const char* option :
-       {"--node", "--method", "--bonded", "--release-force", "--no-blending", "--friction"}) {
+  for (const char* option : {"--node", "--method", "--bonded", "--release-force", "--no-blending",
+                             "--no-mesh-correction", "--friction"}) {
     if (line.given.count(option) == 0) continue;
     throw InputError(std::string(option) +
                      " is for a state space, and a reduced model is touched here. Leave it out.");

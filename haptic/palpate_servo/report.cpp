@@ -87,6 +87,11 @@ void print(const Counters& c, double limit) {
               c.magnitude_limited, c.slew_limited, c.not_finite);
   std::printf("passivity    least balance %.3g J, damping added in %" PRIu64 " ticks\n",
               c.least_dissipated, c.damped_ticks);
+  if (c.mesh_error_ticks > 0) {
+    std::printf("mesh         at most %.4g N wrong at the body, reliable in %" PRIu64 " of %" PRIu64
+                " ticks\n",
+                c.largest_mesh_error, c.reliable_mesh_error_ticks, c.mesh_error_ticks);
+  }
 }
 
 void print_timing(const Statistics& statistics) {

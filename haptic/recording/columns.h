@@ -93,10 +93,15 @@ void visit_columns(Record& record, Visit&& visit) {
   visit(Name{"write_failed"}, record.write_failed);
   visit(Name{"trust", {}, {}, 2}, record.tick.contact.trust);
   for (std::size_t k = 0; k < 3; ++k) visit(Name{"body", kPlaces[k], {}, 3}, contact.bodies[k]);
+  auto& mesh_error = contact.mesh_error;
+  for (int k = 0; k < 3; ++k) visit(Name{"mesh_error", kAxes[k], "N", 4}, mesh_error.force[k]);
+  visit(Name{"mesh_error_bound", "N", {}, 4}, mesh_error.bound);
+  visit(Name{"mesh_error_trust", {}, {}, 4}, mesh_error.trust);
+  visit(Name{"mesh_error_corrected", {}, {}, 4}, mesh_error.is_corrected);
 }
 
 /// The version of the recordings that are written.
-inline constexpr int kVersion = 3;
+inline constexpr int kVersion = 4;
 
 /// The name of the last column.
 inline constexpr std::string_view kSettings = "settings";
@@ -136,6 +141,7 @@ void visit_setup(Setup& setup, Visit&& visit) {
   visit(Name{"linear_polynomial"}, setup.touchable.interpolation.linear_polynomial);
   visit(Name{"intermediate_states"}, setup.touchable.interpolation.intermediate_states);
   visit(Name{"third_derivatives"}, setup.touchable.interpolation.third_derivatives);
+  visit(Name{"correct_mesh_error", {}, {}, 4}, setup.touchable.interpolation.correct_mesh_error);
   visit(Name{"period", "s"}, setup.options.period);
   visit(Name{"stale_after", "s"}, setup.options.stale_after);
   visit(Name{"release_after", "s"}, setup.options.release_after);

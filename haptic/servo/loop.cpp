@@ -352,6 +352,14 @@ void Loop::count_trips(std::uint32_t before) noexcept {
   if (is_new & trips::body) ++counters_.trips_by_body;
 }
 
+void Loop::count_mesh_error(const TouchMeshError& error) noexcept {
+  if (error.trust == MeshErrorTrust::none) return;
+  ++counters_.mesh_error_ticks;
+  if (error.trust != MeshErrorTrust::reliable) return;
+  ++counters_.reliable_mesh_error_ticks;
+  counters_.largest_mesh_error = std::max(counters_.largest_mesh_error, error.bound);
+}
+
 void Loop::count() noexcept {
   ++counters_.ticks;
   counters_.running = begin_ - first_begin_;
@@ -368,6 +376,7 @@ void Loop::count() noexcept {
     counters_.least_dissipated = std::min(counters_.least_dissipated, tick_.dissipated);
     if (tick_.added_damping > 0) ++counters_.damped_ticks;
     if (tick_.contact.trust > kLargestTrusted) ++counters_.untrusted_ticks;
+    count_mesh_error(tick_.contact.mesh_error);
   }
 }
 

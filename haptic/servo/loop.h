@@ -79,6 +79,7 @@ class Loop {
   [[nodiscard]] ServoState state(const ServoSettings& settings) const noexcept;
   void send_force(const ServoSettings& settings) noexcept;
   void count_trips(std::uint32_t before) noexcept;
+  void count_mesh_error(const TouchMeshError& error) noexcept;
   void count() noexcept;
 
   Clock& clock_;

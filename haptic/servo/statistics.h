@@ -50,6 +50,11 @@ struct Counters {
   /// Ticks in which a reduced body was held beyond what its model was trained for
   /// (kLargestTrusted).
   std::uint64_t untrusted_ticks = 0;
+  /// Ticks with an estimate of what the mesh does to the force, those in which it was reliable, and
+  /// the largest bound of such an error, N of the body.
+  std::uint64_t mesh_error_ticks = 0;
+  std::uint64_t reliable_mesh_error_ticks = 0;
+  double largest_mesh_error = 0;
 };
 
 struct Statistics : Counters {

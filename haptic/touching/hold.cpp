@@ -101,6 +101,8 @@ void Hold::follow(const Vec3& t) noexcept {
 TouchResult Hold::evaluate(const Vec3& t) const noexcept {
   TouchResult sum;
   sum.support = Support::inside;
+  sum.mesh_error.trust = MeshErrorTrust::reliable;
+  sum.mesh_error.is_corrected = true;
   for (int i = 0; i < num_held_; ++i) {
     const Held& held = held_[i];
     const TouchResult one = body_->nodes()[held.node].on_branch[held.branch]->evaluate(t);
@@ -108,6 +110,7 @@ TouchResult Hold::evaluate(const Vec3& t) const noexcept {
     sum.stiffness += held.weight * one.stiffness;
     sum.energy += held.weight * one.energy;
     if (certainty(one.support) < certainty(sum.support)) sum.support = one.support;
+    sum.mesh_error.add(held.weight, one.mesh_error);
   }
   return sum;
 }
@@ -144,6 +147,7 @@ Contact Hold::move(const Vec3& place, double coupling) noexcept {
   contact.anchor = anchor_;
   contact.displacement = t;
   contact.support = at.support;
+  contact.mesh_error = at.mesh_error;
   return contact;
 }
 

@@ -73,6 +73,7 @@ Contact Press::move(const Interpolator& force, const Vec3& hand,
   if (!is_known(force, push)) return miss(Support::extrapolated);
   is_pressing_ = true;
   contact.status = ContactStatus::pressing;
+  contact.mesh_error = at.mesh_error;
   contact.energy = at.energy;
   if (coupling > 0) {
     const Vec3 pulled = hand_ - place_;

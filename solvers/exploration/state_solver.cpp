@@ -36,11 +36,21 @@ const InnerExtension& InteractionSolver::extension(Keep kept) {
       .first->second;
 }
 
-MeshError InteractionSolver::mesh_error(const ToolSpaceSetup& /*setup*/, const Equilibrium& state) {
+MeshError InteractionSolver::mesh_error(const ToolSpaceSetup& setup, const Equilibrium& state) {
   if (!mesh_errors_ || state.outcome != Outcome::converged) return {};
   if ((state.flags & flags::touches_nothing) != 0) return {0, Vec3::Zero(), true};
+  take(setup);
   const MeshErrorEstimate estimate = mesh_errors_->estimate(state);
-  return {estimate.energy, estimate.force, estimate.is_reliable};
+  return {estimate.energy - mesh_error_at_rest(), estimate.force,
+          estimate.is_reliable && !holds_single_point_};
+}
+
+double InteractionSolver::mesh_error_at_rest() {
+  if (!mesh_error_at_rest_) {
+    const Equilibrium& rest = solver_.settled();
+    mesh_error_at_rest_ = rest.u.size() > 0 ? mesh_errors_->estimate(rest).energy : 0;
+  }
+  return *mesh_error_at_rest_;
 }
 
 Equilibrium InteractionSolver::restore(const ToolSpaceSetup& setup, const Equilibrium& near,

@@ -13,6 +13,7 @@
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/inner_extension.h"
 #include "fields/reduced_fields.h"
+#include "interaction/held_points.h"
 #include "interaction/interaction_spec.h"
 #include "state_space/space_body.h"
 
@@ -91,7 +92,9 @@ class InteractionSolver final : public StateSolver {
   [[nodiscard]] static bool has_fields(const Equilibrium& state) { return state.u.size() > 0; }
   void take(const ToolSpaceSetup& setup) {
     if (taken_ == setup.key()) return;
-    solver_.set_interaction(*tools_.make(setup.interaction));
+    const auto tool = tools_.make(setup.interaction);
+    solver_.set_interaction(*tool);
+    holds_single_point_ = holds_single_point(*tool);
     clearance_ = tools_.clearance(setup.interaction);
     taken_ = setup.key();
   }
@@ -100,13 +103,19 @@ class InteractionSolver final : public StateSolver {
   EquilibriumSolver& solver_;
   InteractionFactory& tools_;
   [[nodiscard]] const InnerExtension& extension(Keep kept);
+  /// The energy that a finer mesh would release in the body at rest under its loads, J: as the
+  /// energy of a configuration, its error counts from rest.
+  [[nodiscard]] double mesh_error_at_rest();
 
   /// The tool space whose tool the solver has.
   std::optional<ToolSpaceKey> taken_;
+  /// Whether it is bonded to one point only.
+  bool holds_single_point_ = false;
   /// The clearance of that tool, if there is one.
   std::shared_ptr<const ToolClearance> clearance_;
   std::map<Keep, InnerExtension> extensions_;
   std::optional<MeshErrorEstimator> mesh_errors_;
+  std::optional<double> mesh_error_at_rest_;
 };
 
 /// Has the solver of each body solve for the tool spaces that stand on it.

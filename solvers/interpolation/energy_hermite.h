@@ -7,6 +7,9 @@
 //
 // with D^{abc} = H^{a+b+c} ∂^{abc}Π (hermite_data.h) and the basis of hermite_cell.h.
 //
+// Where the tool space has estimates of the error of the mesh, that is interpolated in the same way
+// (mesh_error_field.h), told beside the force, and added to Π if that is asked for.
+//
 // All cells around a corner share its derivatives, and a hanging node has the derivatives of the
 // larger cell there. So energy, force and stiffness are continuous, and the work around a closed
 // loop is zero.
@@ -18,6 +21,7 @@
 #include "interpolation/hermite_cell.h"
 #include "interpolation/hermite_data.h"
 #include "interpolation/interpolator.h"
+#include "interpolation/mesh_error_field.h"
 
 namespace palpate {
 
@@ -37,13 +41,21 @@ class EnergyHermite final : public Interpolator {
   void do_add_memory(MemoryRanges& ranges) const override {
     ranges.push_back({this, sizeof *this});
     palpate::add_memory(nodes_, ranges);
+    if (mesh_error_) mesh_error_->add_memory(ranges);
   }
+  /// Makes the error of the mesh where the tool space has estimates of it.
+  /// @param before The interpolator before the grid has grown; null: there is none.
+  void take_mesh_error(const TouchToolSpace& tool_space, const EnergyHermite* before,
+                       const CellTree::Growth* growth);
 
   HermiteDataOptions data_options_;
   std::vector<HermiteNode> nodes_;
   /// The data that an interpolator needs which grows from this one; empty unless this one has grown
   /// from another.
   HermiteMemory memory_;
+  bool correct_mesh_error_;
+  /// Null: there is no estimate.
+  std::unique_ptr<MeshErrorField> mesh_error_;
   double per_spacing_;
   HermiteKernel kernel_;
 };

@@ -217,11 +217,12 @@ class StencilFinder {
   bool has_met_change_ = false;
 };
 
-void fill_known(const NodeData& node, double h, double* d) {
+void fill_known(const NodeData& node, double h, bool with_stiffness, double* d) {
   d[hermite_index(0, 0, 0)] = node.energy;
   d[hermite_index(1, 0, 0)] = h * node.force[0];
   d[hermite_index(0, 1, 0)] = h * node.force[1];
   d[hermite_index(0, 0, 1)] = h * node.force[2];
+  if (!with_stiffness) return;
   const Mat3 k = 0.5 * h * h * (node.stiffness + node.stiffness.transpose());
   d[hermite_index(2, 0, 0)] = k(0, 0);
   d[hermite_index(0, 2, 0)] = k(1, 1);
@@ -271,7 +272,7 @@ unsigned changes(const HermiteNode& a, const HermiteNode& b) {
 void fill_missing(const std::vector<Incomplete>& nodes,
                   const std::vector<const HermiteNode*>& before, std::vector<unsigned>& changed,
                   std::vector<HermiteNode>& data) {
-  for (int total = 3; total <= kMostTotal; ++total) {
+  for (int total = 2; total <= kMostTotal; ++total) {
     const unsigned lower_bit = 1U << (total - 1);
     for (const Incomplete& to_fill : nodes) {
       if (total <= to_fill.known) continue;
@@ -343,11 +344,11 @@ std::vector<HermiteNode> hermite_data(const CheckPointGrid& grid,
     if (!grid.is_free(n) && (grid.usable(n) || options.extrapolated_nodes)) {
       const NodeData known = node_data(grid, configurations, n, options.third_derivatives);
       if (grid.usable(n) && first[n] != nullptr) data[n] = *first[n];
-      fill_known(known, grid.spacing(), data[n].of);
+      fill_known(known, grid.spacing(), options.stiffness, data[n].of);
       if (grid.usable(n)) {
         Incomplete& node = nodes.emplace_back();
         node.node = n;
-        node.known = known.has_third_derivative() ? 3 : 2;
+        node.known = known.has_third_derivative() ? 3 : options.stiffness ? 2 : 1;
         finder.begin();
         for (int axis = 0; axis < 3; ++axis) node.stencils[axis] = finder.find(n, axis, false);
         node.is_anew = finder.has_met_change();

@@ -2,9 +2,9 @@
 // The derivatives of the energy that triquintic Hermite interpolation takes from each node.
 //
 // D^{abc} = H^{a+b+c} ∂^{abc}Π for a, b, c ∈ {0, 1, 2}, where H is the spacing of the check-points,
-// whatever the side of the cells around. Derivatives with a + b + c ≤ 2 are known: Π, h, k; and
-// those with a + b + c = 3 where a node has its third derivatives. The others follow in the order
-// of |α| = a + b + c:
+// whatever the side of the cells around. Derivatives with a + b + c ≤ 2 are known: Π, h, k (or
+// with a + b + c ≤ 1, if the stiffness is not used); and those with a + b + c = 3 where a node has
+// its third derivatives. The others follow in the order of |α| = a + b + c:
 //
 //   D^α = mean over the axes k with α_k > 0 of the difference along k of D^{α − e_k}
 //
@@ -44,6 +44,9 @@ struct HermiteDataOptions {
   /// Whether a difference uses one node less than its row has if no more than `most` nodes stand in
   /// the row.
   bool fewer_in_short_rows = false;
+  /// Whether the stiffness is used. If not, derivatives with a + b + c = 2 are differences too, and
+  /// third derivatives must not be used either.
+  bool stiffness = true;
   /// Whether third derivatives are used where they are known.
   bool third_derivatives = true;
   /// Whether extrapolated nodes are used. If not, they are zero, and no node hangs on a leaf with

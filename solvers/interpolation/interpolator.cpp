@@ -73,7 +73,9 @@ void Interpolator::take_samples(const std::vector<ConfigurationSummary>& configu
     ++num_samples_;
     const ConfigurationSummary& c = configurations[grid_.configuration(n)];
     largest = std::max(largest, c.force.norm());
-    if (grid_.reach() == 0) rest_ = {c.force, c.stiffness, c.energy, Support::extrapolated};
+    if (grid_.reach() == 0) {
+      rest_ = {c.force, c.stiffness, c.energy, Support::extrapolated, {}};
+    }
   }
   if (grid_.has_extrapolated_nodes()) largest_force_ = std::max(force_limit_, kBetween * largest);
 }
@@ -97,11 +99,15 @@ TouchResult Interpolator::evaluate(const Vec3& t) const noexcept {
     if (size2 > largest_force_ * largest_force_) limit(result, std::sqrt(size2), largest_force_);
     return result;
   }
+  if (at.place == Place::free) result.mesh_error = mesh_error_of_free_;
   if (at.place == Place::nowhere || at.place == Place::free) return result;
   if (at.place == Place::rest) {
     result = rest_;
   } else {
     do_evaluate(at, result);
+    if (result.mesh_error.trust == MeshErrorTrust::reliable) {
+      result.mesh_error.trust = MeshErrorTrust::unreliable;
+    }
   }
   double size = result.force.norm();
   if (size > largest_force_) {

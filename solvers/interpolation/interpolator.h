@@ -25,10 +25,14 @@
 // that is not proved free, either deeper than the space or not explored yet, is treated as one
 // outside a box, starting from the nearest cell.
 //
+// The error of the mesh is not continued beyond the box: it is that of the nearest point of the
+// box, and not reliable.
+//
 // Where the force is limited, the stiffness is that of a force of constant size whose direction
 // follows t: (limit/|h|)(I − ĥĥᵀ)k. Π is not limited.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -68,6 +72,45 @@ struct InterpolationOptions {
   /// Energy Hermite and extrapolated nodes: whether third derivatives are used where they are
   /// known.
   bool third_derivatives = true;
+  /// Energy Hermite: whether Π + ΔΠ is interpolated where the estimates of the error of the mesh
+  /// allow it (mesh_error_field.h), so that the force is closer to that of a finer mesh.
+  bool correct_mesh_error = true;
+};
+
+/// What is known of the error that the mesh makes in a force. The numbers are stored in data arrays
+/// and recordings: do not change them.
+enum class MeshErrorTrust : int {
+  /// The configurations around have no estimate, or the method does not use it.
+  none = 0,
+  /// There is an estimate that may be wrong by any factor.
+  unreliable = 1,
+  reliable = 2,
+};
+
+/// What the mesh does to a force.
+struct TouchMeshError {
+  /// By how much the force of the mesh is too large, as estimated [3], N.
+  Vec3 force = Vec3::Zero();
+  /// How wrong the mesh makes the force that is given, N, if the estimate is reliable: between 0.67
+  /// and 1.5 times the true error.
+  double bound = 0;
+  MeshErrorTrust trust = MeshErrorTrust::none;
+  /// Whether the force that is given is smaller by the estimate already.
+  bool is_corrected = false;
+
+  /// Takes an estimate of a force and the bound that follows.
+  void take(const Vec3& estimate, bool corrected) noexcept {
+    force = estimate;
+    is_corrected = corrected;
+    bound = (corrected ? 0.5 : 1.5) * estimate.norm();
+  }
+  /// Adds the error of a force that has this weight.
+  void add(double weight, const TouchMeshError& other) noexcept {
+    force += weight * other.force;
+    bound += weight * other.bound;
+    trust = std::min(trust, other.trust);
+    is_corrected = is_corrected && other.is_corrected;
+  }
 };
 
 struct TouchResult {
@@ -78,6 +121,7 @@ struct TouchResult {
   /// Potential energy Π, J.
   double energy = 0;
   Support support = Support::none;
+  TouchMeshError mesh_error;
 };
 
 /// Immutable. It copies all that it needs, so that the tool space need not outlive it.
@@ -136,6 +180,12 @@ class Interpolator {
   /// Call this in a method that uses no extrapolated nodes: the force is h + kΔ from rest, and is
   /// not limited because of missing nodes.
   void set_linear_from_rest(const TouchResult& rest);
+  /// Call this if do_evaluate() tells the error of the mesh.
+  /// @param is_corrected Whether the force is smaller by that.
+  void set_tells_mesh_error(bool is_corrected) {
+    mesh_error_of_free_.trust = MeshErrorTrust::reliable;
+    mesh_error_of_free_.is_corrected = is_corrected;
+  }
 
  private:
   /// Computes energy, force and stiffness at a place in the box.
@@ -154,6 +204,8 @@ class Interpolator {
   double largest_force_;
   /// The result at rest, if rest is the only check-point.
   TouchResult rest_;
+  /// What is told where the tool touches nothing.
+  TouchMeshError mesh_error_of_free_;
   std::size_t num_samples_ = 0;
 };
 

@@ -14,8 +14,8 @@ import zlib
 
 PROXIES = ["filters.TetrahedralizeSurface", "filters.TetrahedralizeLabelMap",
            "filters.AssignMaterial", "filters.SetBoundary", "filters.RefineMesh",
-           "filters.SolveEquilibrium", "filters.SolveDynamics", "filters.BuildReducedModel",
-           "filters.SimulateTouch", "filters.TouchReducedModel",
+           "filters.SolveEquilibrium", "filters.SolveDynamics", "filters.CarrySurface",
+           "filters.BuildReducedModel", "filters.SimulateTouch", "filters.TouchReducedModel",
            "filters.PrecomputeStateSpace", "filters.TouchStateSpace",
            "filters.AccuracyReport", "filters.EstimateError", "filters.ReplayTouch",
            "sources.StateSpaceReader", "sources.FEBioReader", "writers.FEBioWriter"]

@@ -21,6 +21,7 @@ from support import (expect_error, expect_silence, fetch, field, node_at, places
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 RATE = 20  # frames a second
+FAR = [1.0, 1.0, 1.0]  # where a rigid tool touches nothing
 PRESSES, ATTACHED = 4, 3
 
 
@@ -55,6 +56,9 @@ def check(name, space, ticks, contact):
     assert len(times) == int(duration * RATE) + 1 and numpy.allclose(numpy.diff(times), 1 / RATE)
 
     touch = TouchStateSpace(Input=space)
+    # The surface at rest as a display surface changes nothing.
+    followed = ReplayTouch(Input=space, FileName=f"{name}.csv", FrameRate=RATE,
+                           DisplaySurface=TouchStateSpace(Input=space, ToolPosition=FAR))
     rest = None
     found = most = 0
     for time in times:
@@ -64,6 +68,8 @@ def check(name, space, ticks, contact):
         force = at(replay, time, 2)
         assert numpy.allclose(point_array(force, "Force"), [vector(tick, "body_force", "N")])
         moved = point_array(surface, "Displacement")
+        carried = point_array(expect_silence(lambda t=time: at(followed, t)), "Displacement")
+        assert numpy.allclose(carried, moved, atol=1e-6)
         if int(tick["contact"]) != contact:
             assert (moved == 0).all()
             rest = places(surface)

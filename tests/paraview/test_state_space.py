@@ -429,6 +429,31 @@ def test_additions():
                  "intermediate states")
 
 
+def check_touched_mesh_error(space, exact):
+    """At a place that the space never saw, the error that a touch tells is that of an exact solve,
+    and the force is corrected by it."""
+    place = [0.0011, -0.0023, 0.0031]
+    exact.Displacement = place
+    expected = field(fetch(exact), "MeshError")[0]
+    size = numpy.linalg.norm(expected)
+    touch = TouchStateSpace(Input=space, Displacement=place)
+    corrected = fetch(touch)
+    touch.CorrectMeshError = 0
+    told = fetch(touch)
+    for touched, is_corrected, share in ((corrected, 1, 0.5), (told, 0, 1.5)):
+        error = field(touched, "MeshError")[0]
+        assert numpy.linalg.norm(error - expected) < 0.05 * size
+        assert field(touched, "MeshErrorReliable")[0] == 1
+        assert field(touched, "MeshErrorCorrected")[0] == is_corrected
+        bound = share * numpy.linalg.norm(error)
+        assert abs(field(touched, "MeshErrorBound")[0] - bound) < 1e-12 * bound
+    difference = field(told, "Force")[0] - field(corrected, "Force")[0]
+    assert numpy.linalg.norm(difference - field(told, "MeshError")[0]) < 1e-9 * size
+    # Other methods tell nothing, and correct nothing.
+    touch.CorrectMeshError, touch.Interpolation = 1, "Trilinear"
+    assert not fetch(touch).GetFieldData().HasArray("MeshError")
+
+
 def test_mesh_error():
     """The error of the mesh at each configuration: that of Solve Equilibrium, also from a file."""
     boundary = scene("mesh_error")
@@ -455,12 +480,17 @@ def test_mesh_error():
         assert size > 0.01 * numpy.linalg.norm(arrays["Force"][i])
         # Sensitivities of configurations from which none is reached are less exact.
         assert numpy.linalg.norm(errors["MeshError"][i] - expected) < 1e-3 * size
+    check_touched_mesh_error(kept, exact)
     SaveData("mesh_error.vtpc", proxy=kept, DataMode="Binary")
     for other in (StateSpaceReader(FileName="mesh_error.palpate"),
                   OpenDataFile(os.path.abspath("mesh_error.vtpc"))):
         expect_same_space(blocks, fetch_space(other))
     # What a file has without it stays without it.
     precompute(boundary, [node], FileName="later.palpate", **settings).UpdatePipeline()
+    # The force that holds a single point is an error of the mesh as a whole.
+    single = arrays_of(fetch_space(precompute(boundary, [node], EstimateMeshError=1, Resolution=3,
+                                              HalfWidth=0.004))["Configurations"].GetPointData())
+    assert (single["MeshErrorReliable"] == 0).all()
     later = precompute(boundary, [node], FileName="later.palpate", EstimateMeshError=1, **settings)
     expect_silence(later.UpdatePipeline)
     assert "MeshError" not in arrays_of(fetch_space(later)["Configurations"].GetPointData())

@@ -39,6 +39,8 @@ void pqPalpateFiguresPanel::addLive(QFormLayout* form)
   this->Place = AddFigure(form, "Place", "place",
     "Of the tool in the space: the node that it moves and its branch, or how much deeper a rigid "
     "tool can go before the space ends.");
+  this->Mesh = AddFigure(form, "Mesh", "mesh",
+    "How wrong the mesh makes the force of the body, as estimated with the space.");
   this->Trust = AddFigure(form, "Trust", "trust",
     "How far the body is moved, of how far its model was trained for: to about 1 it is inside; "
     "above 2 forces are not to be trusted.");
@@ -67,6 +69,8 @@ void pqPalpateFiguresPanel::showRows(bool isReduced)
   {
     ShowRow(field, !isReduced);
   }
+  // It is shown where there is an estimate.
+  ShowRow(this->Mesh, false);
   for (QWidget* field : { this->Trust, this->StepTime })
   {
     ShowRow(field, isReduced);
@@ -112,6 +116,14 @@ void pqPalpateFiguresPanel::show(const pqPalpateTouch::Figures& f)
     place += QString(", %1 mm left").arg(1e3 * f.DepthLeft, 0, 'f', 1);
   }
   this->Place->setText(place);
+  const palpate::TouchMeshError& mesh = f.MeshError;
+  ShowRow(this->Mesh, mesh.trust != palpate::MeshErrorTrust::none);
+  const bool isReliable = mesh.trust == palpate::MeshErrorTrust::reliable;
+  this->Mesh->setText(QString("± %1 N%2%3")
+                        .arg(mesh.bound, 0, 'f', 3)
+                        .arg(mesh.is_corrected ? ", corrected" : "")
+                        .arg(isReliable ? "" : ", not to be trusted"));
+  this->Mesh->setStyleSheet(isReliable ? "" : pqPalpateFaultStyle);
 }
 
 void pqPalpateFiguresPanel::show(const pqPalpateReducedTouch::Figures& f)

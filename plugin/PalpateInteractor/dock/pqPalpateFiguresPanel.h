@@ -39,6 +39,7 @@ private:
   QLabel* Depth = nullptr;
   QLabel* Energy = nullptr;
   QLabel* Place = nullptr;
+  QLabel* Mesh = nullptr;
   QLabel* Damping = nullptr;
   QLabel* Trust = nullptr;
   QLabel* StepTime = nullptr;

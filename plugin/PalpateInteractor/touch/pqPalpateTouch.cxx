@@ -95,6 +95,8 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
   pqPalpateRun::Hand Hand;
   vtkMTimeType DataTime = 0;
   std::shared_ptr<const palpate::Touchable> Body;
+  /// Whether the force of the body is corrected for the error of the mesh.
+  bool CorrectsMeshError = true;
   /// How deep the rigid tool presses, m; 0: there is none.
   double Deepest = 0;
   palpate::RigidTool RigidTool;
@@ -112,10 +114,21 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
   bool ShowsFree = false;
   bool Touches = false;
 
+  /// Whether the filter that shows the body corrects its force for the error of the mesh; what is
+  /// felt is what it tells.
+  bool AsksForCorrection() const
+  {
+    pqPipelineSource* filter = this->BodyView ? this->BodyView->GetFilter() : nullptr;
+    return !filter || vtkSMPropertyHelper(filter->getProxy(), "CorrectMeshError").GetAsInt() != 0;
+  }
+
   /// Takes the client's copy of the space.
   void SetSpace(const palpate::TouchSpace& space)
   {
-    this->Body = std::make_shared<const palpate::Touchable>(space);
+    palpate::TouchableOptions options;
+    this->CorrectsMeshError = this->AsksForCorrection();
+    options.interpolation.correct_mesh_error = this->CorrectsMeshError;
+    this->Body = std::make_shared<const palpate::Touchable>(space, options);
     Eigen::AlignedBox3d box;
     double beyond = 0;
     for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
@@ -237,6 +250,10 @@ QString pqPalpateTouch::start(
     const auto clock = std::make_shared<palpate::MonotonicClock>();
     pqPalpateDevice opened = open(hand, clock, [&] { return session->HandWay(copy); });
     session->MakeBodyView(copy, this->Current.InTissue);
+    if (!session->AsksForCorrection())
+    {
+      session->SetSpace(copy);
+    }
     session->ShowSpace(copy);
     hand.Servo = std::make_unique<palpate::Servo>(
       std::move(opened.Transport), std::move(opened.Profile), clock, opened.Setup.options);
@@ -323,7 +340,8 @@ void pqPalpateTouch::takeNewData()
     [&]
     {
       const vtkMTimeType time = pqPalpateDataTime(session.Port);
-      if (time != 0 && time == session.DataTime)
+      if (time != 0 && time == session.DataTime &&
+        session.AsksForCorrection() == session.CorrectsMeshError)
       {
         return;
       }
@@ -375,6 +393,14 @@ void pqPalpateTouch::advance()
   if (hand.Mouse)
   {
     hand.Mouse->Advance(hand.Tick);
+  }
+  if (session.AsksForCorrection() != session.CorrectsMeshError)
+  {
+    this->takeNewData();
+    if (this->Running != kept)
+    {
+      return;
+    }
   }
   this->applySettings();
   session.Force = hand.Tick.force.norm();
@@ -467,6 +493,7 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
   figures.Force = tick.force.norm();
   figures.BodyForce = tick.contact.force.norm();
   figures.Depth = session.Depth(tick.contact);
+  figures.MeshError = tick.contact.mesh_error;
   figures.Dissipated = tick.dissipated;
   figures.Damping = tick.added_damping;
   if (tick.contact.status == palpate::ContactStatus::attached)

@@ -33,6 +33,8 @@ public:
     int Node = -1;
     int Branch = 0;
     QString Support;
+    /// What the mesh does to the force of the body.
+    palpate::TouchMeshError MeshError;
     /// How deep a rigid tool is in the body at rest, or how far the tool has moved its node, m;
     /// below 0: the tool touches nothing.
     double Depth = -1;

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A surface by which a body is shown in place of its own: a fine one of the same organ, with
+// colours, texture and whatever else it has. The surface of the body carries it
+// (mesh/surface_embedding.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/types.h"
+#include "vtkType.h"
+
+namespace palpate
+{
+class Communicator;
+}
+class vtkInformationVector;
+class vtkMultiProcessController;
+class vtkPolyData;
+
+class vtkPalpateDisplaySurface
+{
+public:
+  /// The surface of a body as it was meshed: points [any number], m, and triangles.
+  struct Carrier
+  {
+    std::vector<palpate::Vec3> Points;
+    std::vector<std::array<palpate::Index, 3>> Triangles;
+    /// The displacement from there from which `Displacement` counts [3 points], m: that of a body
+    /// that sags. Empty: it is 0.
+    Eigen::VectorXf Settled;
+  };
+
+  vtkPalpateDisplaySurface();
+  ~vtkPalpateDisplaySurface();
+
+  /// Takes the surface of an optional input, if it or the carrier is another one than before.
+  /// @param port The input, where there may be nothing.
+  /// @param carrierTime When the body was made.
+  /// @param carrier Called on rank 0.
+  /// @returns What a person should know; empty: nothing.
+  /// @throws palpate::InputError the surface has no triangle or does not lie on the body.
+  /// @note Collective.
+  std::string Take(vtkInformationVector* port, vtkMTimeType carrierTime,
+    vtkMultiProcessController* controller, palpate::Communicator& ranks,
+    const std::function<Carrier()>& carrier);
+
+  /// Whether there is a surface, on this rank.
+  [[nodiscard]] bool IsGiven() const;
+
+  /// Puts the surface in the place of that of the body.
+  /// @param body The carrier, with the point array `Displacement` (m). It becomes the surface as it
+  ///   is displaced, with `Displacement` and normals, its own arrays, and those of the body,
+  ///   interpolated; field data stay.
+  void Follow(vtkPolyData* body) const;
+
+private:
+  struct Embedded;
+  std::unique_ptr<Embedded> Surface;
+  vtkMTimeType CarrierTime = 0;
+  vtkMTimeType SurfaceTime = 0;
+};
