@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "base/error.h"
 #include "base/memory_error.h"
@@ -23,7 +24,6 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkTriangleFilter.h"
-#include "vtkTriangleMeshPointNormals.h"
 
 namespace
 {
@@ -101,12 +101,17 @@ std::vector<vtkIdType> FirstAtPlace(const std::vector<Vec3>& points, vtkDataArra
 struct vtkPalpateDisplaySurface::Embedded
 {
   Embedded(vtkPolyData* surface, const Carrier& carrier)
-    : Rest(PointsOf(surface))
-    , Embedding(carrier.Points, carrier.Triangles, this->Rest)
+    : Points(PointsOf(surface))
+    , Embedding(carrier.Points, carrier.Triangles, this->Points)
   {
     this->Shown->ShallowCopy(surface);
     const std::vector<vtkIdType> first =
-      FirstAtPlace(this->Rest, surface->GetPointData()->GetNormals());
+      FirstAtPlace(this->Points, surface->GetPointData()->GetNormals());
+    this->Rest.resize(3 * static_cast<Eigen::Index>(this->Points.size()));
+    for (std::size_t p = 0; p < this->Points.size(); ++p)
+    {
+      this->Rest.segment<3>(3 * static_cast<Eigen::Index>(p)) = this->Points[p].cast<float>();
+    }
     // Its own normals are those at rest.
     if (vtkDataArray* normals = this->Shown->GetPointData()->GetNormals())
     {
@@ -115,62 +120,54 @@ struct vtkPalpateDisplaySurface::Embedded
     std::map<vtkIdType, vtkIdType> places;
     for (const vtkIdType p : first)
     {
-      if (places.try_emplace(p, static_cast<vtkIdType>(places.size())).second)
-      {
-        this->Kept.push_back(p);
-      }
-      this->PlaceOfNormal.push_back(places.at(p));
+      this->PlaceOfNormal.push_back(
+        places.try_emplace(p, static_cast<vtkIdType>(places.size())).first->second);
     }
+    this->NumberOfNormals = places.size();
     vtkIdType count;
     const vtkIdType* ids;
     for (vtkCellArray* polys = surface->GetPolys(); polys->GetNextCell(count, ids);)
     {
-      this->Triangles->InsertNextCell(
-        { this->PlaceOfNormal[ids[0]], this->PlaceOfNormal[ids[1]], this->PlaceOfNormal[ids[2]] });
+      this->Triangles.push_back({ ids[0], ids[1], ids[2] });
     }
   }
 
-  std::vector<Vec3> Rest;
+  /// Where the body was meshed, m.
+  std::vector<Vec3> Points;
   palpate::SurfaceEmbedding Embedding;
+  /// Where displacements count from [3 points], m.
+  Eigen::VectorXf Rest;
   /// The surface with its arrays, as it came.
   vtkNew<vtkPolyData> Shown;
-  /// The points without those that are there twice, the place of each point among them, and the
-  /// triangles of these places.
-  std::vector<vtkIdType> Kept;
+  std::vector<std::array<vtkIdType, 3>> Triangles;
+  /// Points at one place share a normal: the place of that of each point among all.
   std::vector<vtkIdType> PlaceOfNormal;
-  vtkNew<vtkCellArray> Triangles;
+  std::size_t NumberOfNormals = 0;
 
-  /// Moves the points from which displacements count.
-  void Settle(const Eigen::VectorXf& by)
+  /// Adds normals to the surface. @param places Those of its points [3 points], m.
+  void AddNormals(const Eigen::VectorXf& places, vtkPolyData* surface) const
   {
-    for (std::size_t p = 0; p < this->Rest.size(); ++p)
+    Eigen::Matrix3Xf sums =
+      Eigen::Matrix3Xf::Zero(3, static_cast<Eigen::Index>(this->NumberOfNormals));
+    for (const auto& [a, b, c] : this->Triangles)
     {
-      this->Rest[p] += by.segment<3>(3 * static_cast<Eigen::Index>(p)).cast<double>();
+      const Eigen::Vector3f origin = places.segment<3>(3 * a);
+      const Eigen::Vector3f normal =
+        (places.segment<3>(3 * b) - origin).cross(places.segment<3>(3 * c) - origin);
+      for (const vtkIdType corner : { a, b, c })
+      {
+        sums.col(this->PlaceOfNormal[static_cast<std::size_t>(corner)]) += normal;
+      }
     }
-  }
-
-  void AddNormals(vtkPolyData* surface) const
-  {
-    vtkNew<vtkPoints> points;
-    points->SetNumberOfPoints(static_cast<vtkIdType>(this->Kept.size()));
-    for (std::size_t i = 0; i < this->Kept.size(); ++i)
-    {
-      points->SetPoint(static_cast<vtkIdType>(i), surface->GetPoint(this->Kept[i]));
-    }
-    vtkNew<vtkPolyData> merged;
-    merged->SetPoints(points);
-    merged->SetPolys(this->Triangles);
-    vtkNew<vtkTriangleMeshPointNormals> filter;
-    filter->SetInputData(merged);
-    filter->Update();
-    vtkDataArray* found = filter->GetOutput()->GetPointData()->GetNormals();
+    sums.colwise().normalize();
     vtkNew<vtkFloatArray> normals;
     normals->SetName("Normals");
     normals->SetNumberOfComponents(3);
     normals->SetNumberOfTuples(surface->GetNumberOfPoints());
-    for (vtkIdType p = 0; p < surface->GetNumberOfPoints(); ++p)
+    Eigen::Map<Eigen::Matrix3Xf> values(normals->GetPointer(0), 3, surface->GetNumberOfPoints());
+    for (Eigen::Index p = 0; p < values.cols(); ++p)
     {
-      normals->SetTuple(p, this->PlaceOfNormal[static_cast<std::size_t>(p)], found);
+      values.col(p) = sums.col(this->PlaceOfNormal[static_cast<std::size_t>(p)]);
     }
     surface->GetPointData()->SetNormals(normals);
   }
@@ -252,15 +249,14 @@ std::string vtkPalpateDisplaySurface::Take(vtkInformationVector* port, vtkMTimeT
         [&]
         {
           const Carrier body = carrier();
-          this->Surface = std::make_unique<Embedded>(surface, body);
+          auto embedded = std::make_unique<Embedded>(surface, body);
           const double diagonal = DiagonalOf(body.Points);
-          const double ratio = DiagonalOf(this->Surface->Rest) / diagonal;
-          const palpate::SurfaceEmbedding& embedding = this->Surface->Embedding;
+          const double ratio = DiagonalOf(embedded->Points) / diagonal;
+          const palpate::SurfaceEmbedding& embedding = embedded->Embedding;
           const auto text = [](double length) { return palpate::quantity(length, "m"); };
           if (embedding.median_distance() > MostHalf * diagonal)
           {
             const bool isInMillimetres = std::abs(ratio / Thousand - 1) < 0.2;
-            this->Surface.reset();
             throw palpate::InputError(
               "The display surface does not lie on the body: half of its points are more than " +
               text(embedding.median_distance()) + " off it, and the body is " + text(diagonal) +
@@ -271,7 +267,7 @@ std::string vtkPalpateDisplaySurface::Take(vtkInformationVector* port, vtkMTimeT
           }
           if (body.Settled.size() > 0)
           {
-            this->Surface->Settle(embedding.displacement(body.Settled));
+            embedded->Rest += embedding.displacement(body.Settled);
           }
           if (embedding.largest_distance() > MostSilent * diagonal)
           {
@@ -279,6 +275,7 @@ std::string vtkPalpateDisplaySurface::Take(vtkInformationVector* port, vtkMTimeT
               text(embedding.largest_distance()) + " off the body, which is " + text(diagonal) +
               " across. They follow its nearest part, which shows nothing of the body there.";
           }
+          this->Surface = std::move(embedded);
         });
     });
   this->CarrierTime = carrierTime;
@@ -303,19 +300,16 @@ void vtkPalpateDisplaySurface::Follow(vtkPolyData* body) const
   body->Initialize();
   body->ShallowCopy(embedded.Shown);
   body->GetFieldData()->ShallowCopy(carrier->GetFieldData());
-  vtkNew<vtkPoints> points;
-  points->SetNumberOfPoints(static_cast<vtkIdType>(embedded.Rest.size()));
+  const vtkIdType number = embedded.Shown->GetNumberOfPoints();
   vtkNew<vtkFloatArray> carried;
   carried->SetName(Displacement);
   carried->SetNumberOfComponents(3);
-  carried->SetNumberOfTuples(points->GetNumberOfPoints());
+  carried->SetNumberOfTuples(number);
   std::copy(shown.begin(), shown.end(), carried->GetPointer(0));
-  for (std::size_t p = 0; p < embedded.Rest.size(); ++p)
-  {
-    const Vec3 place =
-      embedded.Rest[p] + shown.segment<3>(3 * static_cast<Eigen::Index>(p)).cast<double>();
-    points->SetPoint(static_cast<vtkIdType>(p), place.data());
-  }
+  const Eigen::VectorXf places = embedded.Rest + shown;
+  vtkNew<vtkPoints> points;
+  points->SetNumberOfPoints(number);
+  std::copy(places.begin(), places.end(), static_cast<float*>(points->GetVoidPointer(0)));
   body->SetPoints(points);
   for (int i = 0; i < arrays->GetNumberOfArrays(); ++i)
   {
@@ -326,6 +320,6 @@ void vtkPalpateDisplaySurface::Follow(vtkPolyData* body) const
     }
   }
   body->GetPointData()->SetVectors(carried);
-  embedded.AddNormals(body);
+  embedded.AddNormals(places, body);
   body->GetPointData()->SetActiveScalars(Displacement);
 }

@@ -4,7 +4,6 @@
 // (mesh/surface_embedding.h).
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <functional>
 #include <memory>

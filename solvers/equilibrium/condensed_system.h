@@ -94,6 +94,9 @@ class CondensedSystem {
   /// Sets the rest of the body with its terms. The coordinates of tools that prescribe points count
   /// from it. Until this is called, it is the undeformed state.
   void set_rest(const NodalVector& state);
+  /// The sizes of the energies at rest that cancel out, J: their rounding is part of each energy.
+  [[nodiscard]] double energies_at_rest() const { return energies_at_rest_; }
+  void set_energies_at_rest(double energies) { energies_at_rest_ = energies; }
 
   [[nodiscard]] const Assembly& assembly() const { return assembly_; }
   /// The assembly, to change the materials: see Assembly::scale_energy(). Call set_terms()
@@ -302,6 +305,7 @@ class CondensedSystem {
   NodalVector rest_;
   /// Whether rest_ is the rest with these terms.
   bool is_settled_ = true;
+  double energies_at_rest_ = 0;
   std::optional<RestStability> rest_stability_{RestStability{}};
   std::size_t kept_factors_;
   /// The precision that was asked for, and whether the tangent at rest with nothing held is safe in

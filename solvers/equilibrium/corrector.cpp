@@ -43,11 +43,13 @@ bool evaluate(CondensedSystem& system, const Eigen::VectorXd& q, Iterate& iterat
 
 /// Whether a trial at `length` of the step decreases the energy enough. If not, `length` becomes
 /// the one to try next.
-bool accept_by_energy(const Iterate& old, const Iterate& trial, double slope, double& length) {
+/// @param at_rest CondensedSystem::energies_at_rest().
+bool accept_by_energy(const Iterate& old, const Iterate& trial, double slope, double at_rest,
+                      double& length) {
   const double change = trial.energy - old.energy;
   if (change <= kSufficientDecrease * length * slope) return true;
-  const bool level =
-      std::abs(change) <= kEnergyRounding * (std::abs(old.energy) + std::abs(trial.energy));
+  const bool level = std::abs(change) <=
+                     kEnergyRounding * (std::abs(old.energy) + std::abs(trial.energy) + at_rest);
   if (level && trial.norm < old.norm) return true;
   // Minimum of the parabola through the energy, its slope and the trial energy.
   const double best = -slope * length * length / (2 * (change - slope * length));
@@ -85,7 +87,8 @@ double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::Ve
     }
     const double tried = length;
     const bool accepted = system.is_saddle() ? accept_by_residual(system, iterate, trial, length)
-                                             : accept_by_energy(iterate, trial, slope, length);
+                                             : accept_by_energy(iterate, trial, slope,
+                                                                system.energies_at_rest(), length);
     if (!accepted) continue;
     std::swap(iterate, trial);
     return tried;

@@ -211,8 +211,6 @@ class EquilibriumSolver::Impl {
   /// The state of rest without a tool, and its energy, J.
   NodalVector rest_;
   double rest_energy_ = 0;
-  /// The sum of the magnitudes of the energies at rest, J; it sets the rounding of later energies.
-  double energies_at_rest_ = 0;
   Equilibrium settled_;
   SteadyClock::time_point start_{};
 };
@@ -268,7 +266,7 @@ void EquilibriumSolver::Impl::set_external(const Scene& scene,
   const double of_external = external_->add(rest_, force, nullptr);
   double of_terms = 0;
   for (const EnergyTerm* term : terms) of_terms += term->add(rest_, force, nullptr);
-  energies_at_rest_ = std::abs(of_materials) + std::abs(of_external) + std::abs(of_terms);
+  system_.set_energies_at_rest(std::abs(of_materials) + std::abs(of_external) + std::abs(of_terms));
   external_->count_from(rest_, of_materials + of_terms);
   rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_).energy;
   Equilibrium& state = settled_;
@@ -541,7 +539,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
       continue;
     }
     if (is_mobile(outcome, progress.state)) break;
-    if (outcome == Outcome::converged && agree(progress.state, next, energies_at_rest_)) {
+    if (outcome == Outcome::converged && agree(progress.state, next, system_.energies_at_rest())) {
       advance(stride, way, std::move(next), progress);
       stride *= 2;
       failures = 0;
