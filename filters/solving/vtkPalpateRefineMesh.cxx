@@ -240,7 +240,7 @@ std::vector<palpate::TouchOnMesh> vtkPalpateRefineMesh::Touch(
     if (state.v.size() > 0)
     {
       palpate::MeshErrorEstimate estimate =
-        palpate::MeshErrorEstimator(scene, solver.assembly()).estimate(state);
+        palpate::MeshErrorEstimator(scene, solver.assembly()).estimate(state, *route.Tool);
       touch.force = state.reaction;
       touch.error = estimate.force;
       touch.is_known = state.outcome == palpate::Outcome::converged && estimate.is_small;

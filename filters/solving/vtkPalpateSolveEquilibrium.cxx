@@ -243,23 +243,22 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene,
   const palpate::Equilibrium& state, vtkUnstructuredGrid* output)
 {
   const palpate::MeshErrorEstimate estimate =
-    palpate::MeshErrorEstimator(scene, solver.assembly()).estimate(state);
-  const bool holdsPoint = palpate::holds_single_point(*route.Tool);
-  const bool isReliable = estimate.is_reliable && !holdsPoint;
+    palpate::MeshErrorEstimator(scene, solver.assembly()).estimate(state, *route.Tool);
   vtkPalpateAddField<vtkDoubleArray>(output, "MeshError", 3, estimate.force);
-  vtkPalpateAddInteger(output, "MeshErrorReliable", isReliable ? 1 : 0);
+  vtkPalpateAddInteger(output, "MeshErrorReliable", estimate.is_reliable ? 1 : 0);
   AddCells(output, "MeshErrorEnergy", estimate.energy_of_cells);
-  if (isReliable)
+  if (estimate.is_reliable)
   {
     return;
   }
   vtkPalpateWarn(this,
     std::string("The estimate of the error of the mesh (MeshError) cannot be trusted. ") +
-      (holdsPoint
-          ? "The force that holds a single point tends to 0 as the cells become smaller, so that "
-            "all of it is that error. Give the tool a TipRadius that is larger than the edges of "
-            "the cells, so that it holds several points."
-          : "It is made for quadratic cells of a Poisson's ratio up to 0.45, and for cells that "
+      (!estimate.is_held_well
+          ? "A tip holds fewer than " + std::to_string(palpate::kLeastHeldFaces) +
+            " whole faces of the surface: the force that holds a few points tends to 0 as the "
+            "cells become smaller, so that much of it is that error. Give the tool a TipRadius of "
+            "several edges of the cells, or mesh the body more finely there."
+          : "It is made for quadratic cells, and for cells that "
             "are not too large for what the tool does to them. Choose quadratic cells where the "
             "body is meshed (ElementOrder), or mesh it more finely where MeshErrorEnergy is "
             "large."));

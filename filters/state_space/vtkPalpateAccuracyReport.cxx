@@ -122,6 +122,9 @@ void FillTable(const std::vector<AccuracyRow>& rows, bool ofNodes, vtkTable* tab
   number("P99ErrorN", &AccuracyRow::p99_absolute_error);
   number("LargestErrorN", &AccuracyRow::largest_absolute_error);
   number("LargestForce", &AccuracyRow::largest_force);
+  number("MeanMeshErrorN", &AccuracyRow::mean_mesh_error);
+  number("LargestMeshErrorN", &AccuracyRow::largest_mesh_error);
+  number("MeshErrorReliable", &AccuracyRow::reliable_mesh_error, PerCent);
   number("Noticeable", &AccuracyRow::noticeable, PerCent);
   number("NearRestError", &AccuracyRow::near_rest_error, PerCent);
   number("MeanMarkedError", &AccuracyRow::mean_marked_error, PerCent);

@@ -100,6 +100,9 @@ AccuracyRow row_of(const std::string& method, const std::string& tool, Index act
   row.p99_absolute_error = quantile(m.absolute, 0.99);
   row.largest_absolute_error = largest(m.absolute);
   row.largest_force = m.largest_force;
+  row.mean_mesh_error = mean(m.mesh);
+  row.largest_mesh_error = largest(m.mesh);
+  row.reliable_mesh_error = m.reliable_mesh / static_cast<double>(m.mesh.size());
   row.noticeable = share_above(m.relative, kNoticeable);
   row.near_rest_error = largest(m.near_rest);
   row.mean_marked_error = mean(m.marked);

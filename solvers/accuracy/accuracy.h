@@ -54,6 +54,12 @@ struct AccuracyRow {
   /// The largest exact force at the test points that count, N. Divide absolute errors by it for
   /// shares of the largest force.
   double largest_force = 0;
+  /// The error that the mesh makes in the force, as the space estimates it, N: it is no error of
+  /// the interpolation, and comes on top of that. NaN where there is no estimate. And the share of
+  /// points at which it is reliable.
+  double mean_mesh_error = 0;
+  double largest_mesh_error = 0;
+  double reliable_mesh_error = 0;
   /// The share of points whose relative error a hand can notice: it exceeds kNoticeable.
   double noticeable = 0;
   /// Largest relative error within kNearRest half-widths from rest, or where a rigid tool begins

@@ -211,6 +211,10 @@ void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, S
     if (error.point_class != PointClass::inside) continue;
     result.absolute.push_back(absolute);
     result.largest_force = std::max(result.largest_force, point.force.norm());
+    if (touch.mesh_error.trust != MeshErrorTrust::none) {
+      result.mesh.push_back(touch.mesh_error.force.norm());
+      if (touch.mesh_error.trust == MeshErrorTrust::reliable) ++result.reliable_mesh;
+    }
     shown.add_error(subject, branch, point, result.displacement);
     if (presses && point.kind == TestKind::near_rest) continue;
     result.relative.push_back(error.error);
@@ -437,6 +441,8 @@ Measurement& Measurement::operator+=(const Measurement& other) {
   append(relative, other.relative);
   append(absolute, other.absolute);
   largest_force = std::max(largest_force, other.largest_force);
+  append(mesh, other.mesh);
+  reliable_mesh += other.reliable_mesh;
   append(stiffness, other.stiffness);
   append(displacement, other.displacement);
   append(marked, other.marked);

@@ -84,6 +84,10 @@ struct Measurement {
   std::vector<double> absolute;
   /// The largest exact force at these points, N.
   double largest_force = 0;
+  /// The errors that the mesh makes in the force there, as the space estimates them, N, and the
+  /// number of estimates that are reliable; empty where the space or the method has none.
+  std::vector<double> mesh;
+  int reliable_mesh = 0;
   /// Errors of the stiffness at the points of `relative`, |k − k*| / |k*|, with a floor like that
   /// of the force.
   std::vector<double> stiffness;

@@ -40,9 +40,10 @@ std::vector<double> packed(const Gradients& tensors, const std::vector<Index>& p
 
 MeshErrorEstimator::MeshErrorEstimator(const Scene& scene, const Assembly& assembly)
     : recovery_(scene.body.mesh, scene.body.material_of_cell),
+      pressures_(scene.body.mesh, assembly.pressures_of_corners(), assembly.num_pressures()),
       order_(scene.body.mesh.order),
-      mean_edge_(assembly.mean_edge()),
-      pressures_of_corners_(assembly.pressures_of_corners()) {
+      faces_(boundary_faces(scene.body.mesh)),
+      mean_edge_(assembly.mean_edge()) {
   std::map<std::pair<Law, bool>, Group> groups;
   const int points_per_cell = recovery_.points_per_cell();
   for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
@@ -51,15 +52,16 @@ MeshErrorEstimator::MeshErrorEstimator(const Scene& scene, const Assembly& assem
     Group& group = groups[{law_of_energy(material.law), mixed}];
     group.norm = &best_tangent_norm(law_of_energy(material.law), mixed);
     group.is_mixed = mixed;
-    has_mixed_ = has_mixed_ || mixed;
     for (int q = 0; q < points_per_cell; ++q) {
       group.points.push_back(c * points_per_cell + q);
+      group.compliances.push_back(mixed ? volumetric_compliance(material) : 0);
       group.weights.push_back(recovery_.weights()[group.points.back()]);
     }
   }
   for (auto& [kind, group] : groups) {
     while (group.points.size() % kPacketSize != 0) {
       group.points.push_back(group.points.back());
+      group.compliances.push_back(group.compliances.back());
       group.weights.push_back(0);
     }
     const auto count = static_cast<std::size_t>(group.norm->num_constants);
@@ -80,32 +82,23 @@ MeshErrorEstimator::Field MeshErrorEstimator::field(const Eigen::Ref<const Nodal
   Field field;
   field.h = recovery_.gradients(u);
   field.d = recovery_.recover(field.h) - field.h;
-  if (p.size() > 0) field.pressure = at_points(p);
+  if (p.size() > 0) {
+    field.pressure = pressures_.at_points(p);
+    field.pressure_error = pressures_.errors(p);
+  }
   return field;
-}
-
-NodalVector MeshErrorEstimator::at_points(const Eigen::Ref<const NodalVector>& p) const {
-  const std::vector<QuadraturePoint>& rule = quadrature(order_);
-  std::vector<Eigen::VectorXd> shares;
-  for (const QuadraturePoint& point : rule) {
-    shares.push_back(shape_values(ElementOrder::linear, point.xi));
-  }
-  NodalVector result = NodalVector::Zero(recovery_.num_points());
-  for (Eigen::Index point = 0; point < result.size(); ++point) {
-    const auto q = static_cast<std::size_t>(point) % rule.size();
-    const std::size_t cell = static_cast<std::size_t>(point) / rule.size();
-    for (int a = 0; a < 4; ++a) {
-      const Index pressure = pressures_of_corners_[4 * cell + static_cast<std::size_t>(a)];
-      if (pressure >= 0) result[point] += shares[q][a] * p[pressure];
-    }
-  }
-  return result;
 }
 
 std::vector<double> MeshErrorEstimator::norms(const Group& group, const Field& field) const {
   std::vector<double> pressures;
   if (group.is_mixed) {
-    for (const Index point : group.points) pressures.push_back(field.pressure[point]);
+    pressures.resize(3 * group.points.size());
+    for (std::size_t i = 0; i < group.points.size(); ++i) {
+      double* packet = pressures.data() + 3 * (i / kPacketSize * kPacketSize) + i % kPacketSize;
+      packet[0] = field.pressure[group.points[i]];
+      packet[kPacketSize] = field.pressure_error[group.points[i]];
+      packet[2 * kPacketSize] = group.compliances[i];
+    }
   }
   std::vector<double> norms(group.points.size());
   group.norm->evaluate(static_cast<int>(group.points.size() / kPacketSize), group.constants.data(),
@@ -123,7 +116,33 @@ double MeshErrorEstimator::integral(const Field& field) const {
   return sum;
 }
 
-MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at) const {
+bool MeshErrorEstimator::holds_enough_faces(const Interaction& tool) const {
+  // The coordinate that holds each point; −1: none does.
+  std::vector<Index> held;
+  std::map<Index, int> num_faces;
+  for (const PrescribedPoint& p : tool.prescribed_points()) {
+    if (held.size() <= static_cast<std::size_t>(p.point)) {
+      held.resize(static_cast<std::size_t>(p.point) + 1, -1);
+    }
+    held[p.point] = p.coordinate;
+    num_faces[p.coordinate] = 0;
+  }
+  const auto holder = [&](Index point) {
+    return static_cast<std::size_t>(point) < held.size() ? held[point] : Index{-1};
+  };
+  const int nodes = nodes_per_face(order_);
+  for (auto face = faces_.begin(); face != faces_.end(); face += nodes) {
+    const Index by = holder(*face);
+    const bool is_whole =
+        by >= 0 && std::all_of(face, face + nodes, [&](Index p) { return holder(p) == by; });
+    if (is_whole) ++num_faces[by];
+  }
+  return std::all_of(num_faces.begin(), num_faces.end(),
+                     [](const auto& of_tool) { return of_tool.second >= kLeastHeldFaces; });
+}
+
+MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
+                                               const Interaction& tool) const {
   const Field here = field(at.u, at.p);
   MeshErrorEstimate estimate;
   estimate.energy_of_cells.resize(static_cast<std::size_t>(recovery_.num_points()) /
@@ -144,8 +163,9 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at) const 
     const Field change =
         field(at.v.col(c), at.p_v.size() > 0 ? NodalVector(at.p_v.col(c)) : NodalVector());
     const auto moved = [&](double by) {
-      return integral(
-          {here.h + by * change.h, here.d + by * change.d, here.pressure + by * change.pressure});
+      return integral({here.h + by * change.h, here.d + by * change.d,
+                       here.pressure + by * change.pressure,
+                       here.pressure_error + by * change.pressure_error});
     };
     estimate.force[c] = kCorrection * (moved(step) - moved(-step)) / (2 * step);
   }
@@ -154,7 +174,9 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at) const 
   estimate.is_small = (at.flags & flags::inverted) == 0 && std::isfinite(squared) && squared >= 0 &&
                       estimate.force.allFinite() &&
                       estimate.force.norm() <= kMostReliable * largest;
-  estimate.is_reliable = estimate.is_small && order_ == ElementOrder::quadratic && !has_mixed_;
+  estimate.is_held_well = holds_enough_faces(tool);
+  estimate.is_reliable =
+      estimate.is_small && estimate.is_held_well && order_ == ElementOrder::quadratic;
   return estimate;
 }
 

@@ -22,10 +22,15 @@
 #include "assembly/assembly.h"
 #include "assembly/scene.h"
 #include "discretisation/gradient_recovery.h"
+#include "discretisation/pressure_recovery.h"
 #include "discretisation/tangent_norm.h"
 #include "equilibrium/state.h"
+#include "interaction/interaction.h"
 
 namespace palpate {
+
+/// See MeshErrorEstimate::is_held_well.
+inline constexpr int kLeastHeldFaces = 8;
 
 struct MeshErrorEstimate {
   /// ΔΠ, J; not positive, except where the body has lost its stability.
@@ -37,9 +42,12 @@ struct MeshErrorEstimate {
   std::vector<double> energy_of_cells;
   /// Whether it is finite and less than half of the force, and no cell of the state is inverted.
   bool is_small = true;
-  /// Whether the estimate may be trusted: where it is small, but not for bodies of linear or of
-  /// mixed cells, for which c was not fitted. For quadratic mixed cells (ν = 0.49) it is 1.2 to 3.2
-  /// times too large.
+  /// Whether each tool that is bonded to the body holds kLeastHeldFaces whole faces of the surface.
+  /// The force that holds single points tends to 0 as cells become smaller, and the border of a
+  /// patch of few faces is not resolved.
+  bool is_held_well = true;
+  /// Whether the estimate may be trusted: where it is small and the body is held well, but not for
+  /// bodies of linear cells, for which c was not fitted.
   bool is_reliable = true;
 };
 
@@ -49,7 +57,9 @@ class MeshErrorEstimator {
   MeshErrorEstimator(const Scene& scene, const Assembly& assembly);
 
   /// @param at An equilibrium with its sensitivity.
-  [[nodiscard]] MeshErrorEstimate estimate(const LinearisedState& at) const;
+  /// @param tool What acts on the body.
+  [[nodiscard]] MeshErrorEstimate estimate(const LinearisedState& at,
+                                           const Interaction& tool) const;
 
  private:
   /// The quadrature points of all cells of one law and formulation, eight to a packet; the last
@@ -61,6 +71,8 @@ class MeshErrorEstimator {
     /// [packets × constants × 8]
     std::vector<double> constants;
     bool is_mixed = false;
+    /// 1/κ̂ of mixed cells, 1/Pa [points].
+    std::vector<double> compliances;
   };
 
   /// What the norms depend on, at all quadrature points; a linear function of the state.
@@ -68,27 +80,27 @@ class MeshErrorEstimator {
     /// H, and H* − H.
     Gradients h;
     Gradients d;
-    /// Pa; empty if no cell is mixed.
+    /// p and p* − p, Pa; empty if no cell is mixed.
     NodalVector pressure;
+    NodalVector pressure_error;
   };
 
   /// @param p The pressures of mixed cells, Pa; empty: there are none.
   [[nodiscard]] Field field(const Eigen::Ref<const NodalVector>& u,
                             const Eigen::Ref<const NodalVector>& p) const;
-  /// The pressure at each point, Pa.
-  [[nodiscard]] NodalVector at_points(const Eigen::Ref<const NodalVector>& p) const;
   /// The norm at each point of a group, times its weight, J [points, with the filling].
   [[nodiscard]] std::vector<double> norms(const Group& group, const Field& field) const;
+  [[nodiscard]] bool holds_enough_faces(const Interaction& tool) const;
   /// The sum over all groups, J.
   [[nodiscard]] double integral(const Field& field) const;
 
   GradientRecovery recovery_;
+  PressureRecovery pressures_;
   std::vector<Group> groups_;
   ElementOrder order_;
-  bool has_mixed_ = false;
+  /// boundary_faces() of the mesh.
+  std::vector<Index> faces_;
   double mean_edge_;
-  /// See Assembly::pressures_of_corners().
-  std::vector<Index> pressures_of_corners_;
 };
 
 }  // namespace palpate

@@ -14,11 +14,11 @@ namespace {
 
 /// ½ D : A : D with A from the response at F, in which s and d are those of one law:
 /// D_iJ A_iJkL D_kL = D_iJ S_JL D_iL + X : D : X with X = sym FᵀD.
+/// @param x Set to X.
 template <Law L>
-Packet half_square(const Kinematics<Packet>& k, const Response<Packet>& r,
-                   const Packet (&d)[3][3]) {
+Packet half_square(const Kinematics<Packet>& k, const Response<Packet>& r, const Packet (&d)[3][3],
+                   Packet (&x)[6]) {
   Packet sum = 0.0;
-  Packet x[6];
   for (int m = 0; m < 6; ++m) {
     const int i = kRow[m];
     const int j = kColumn[m];
@@ -62,16 +62,25 @@ void evaluate(int num_packets, const double* constants, const double* h, const d
     }
     Response<Packet> r;
     LawOf<L>::template evaluate<true>(k, of_law, r);
+    [[maybe_unused]] Response<Packet> volume;
     if constexpr (Mixed) {
-      Response<Packet> volume;
       VolumeOf<L>::template evaluate<true>(k, volume);
-      const Packet at = Packet::load(pressure + p * kPacketSize);
+      const Packet at = Packet::load(pressure + 3 * p * kPacketSize);
       for (int m = 0; m < 6; ++m) r.s[m] += at * volume.s[m];
       for (int m = 0; m < 21; ++m) r.d[m] += at * volume.d[m];
     }
     Packet change[3][3];
     load(d + static_cast<std::ptrdiff_t>(p) * kTensor, change);
-    half_square<L>(k, r, change).store(norm + p * kPacketSize);
+    Packet x[6];
+    Packet sum = half_square<L>(k, r, change, x);
+    if constexpr (Mixed) {
+      const Packet of_pressure = Packet::load(pressure + (3 * p + 1) * kPacketSize);
+      const Packet compliance = Packet::load(pressure + (3 * p + 2) * kPacketSize);
+      Packet of_volume = 0.0;
+      for (int m = 0; m < 6; ++m) of_volume += (m < 3 ? 1.0 : 2.0) * volume.s[m] * x[m];
+      sum += of_pressure * of_volume - 0.5 * compliance * of_pressure * of_pressure;
+    }
+    sum.store(norm + p * kPacketSize);
     if constexpr (has_inversion_barrier(L)) {
       for (int lane = 0; lane < kPacketSize; ++lane) {
         if (determinant[lane] > 0) continue;

@@ -40,15 +40,14 @@ MeshError InteractionSolver::mesh_error(const ToolSpaceSetup& setup, const Equil
   if (!mesh_errors_ || state.outcome != Outcome::converged) return {};
   if ((state.flags & flags::touches_nothing) != 0) return {0, Vec3::Zero(), true};
   take(setup);
-  const MeshErrorEstimate estimate = mesh_errors_->estimate(state);
-  return {estimate.energy - mesh_error_at_rest(), estimate.force,
-          estimate.is_reliable && !holds_single_point_};
+  const MeshErrorEstimate estimate = mesh_errors_->estimate(state, *tool_);
+  return {estimate.energy - mesh_error_at_rest(), estimate.force, estimate.is_reliable};
 }
 
 double InteractionSolver::mesh_error_at_rest() {
   if (!mesh_error_at_rest_) {
     const Equilibrium& rest = solver_.settled();
-    mesh_error_at_rest_ = rest.u.size() > 0 ? mesh_errors_->estimate(rest).energy : 0;
+    mesh_error_at_rest_ = rest.u.size() > 0 ? mesh_errors_->estimate(rest, *tool_).energy : 0;
   }
   return *mesh_error_at_rest_;
 }

@@ -13,7 +13,6 @@
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/inner_extension.h"
 #include "fields/reduced_fields.h"
-#include "interaction/held_points.h"
 #include "interaction/interaction_spec.h"
 #include "state_space/space_body.h"
 
@@ -92,9 +91,8 @@ class InteractionSolver final : public StateSolver {
   [[nodiscard]] static bool has_fields(const Equilibrium& state) { return state.u.size() > 0; }
   void take(const ToolSpaceSetup& setup) {
     if (taken_ == setup.key()) return;
-    const auto tool = tools_.make(setup.interaction);
-    solver_.set_interaction(*tool);
-    holds_single_point_ = holds_single_point(*tool);
+    tool_ = tools_.make(setup.interaction);
+    solver_.set_interaction(*tool_);
     clearance_ = tools_.clearance(setup.interaction);
     taken_ = setup.key();
   }
@@ -109,8 +107,7 @@ class InteractionSolver final : public StateSolver {
 
   /// The tool space whose tool the solver has.
   std::optional<ToolSpaceKey> taken_;
-  /// Whether it is bonded to one point only.
-  bool holds_single_point_ = false;
+  std::unique_ptr<Interaction> tool_;
   /// The clearance of that tool, if there is one.
   std::shared_ptr<const ToolClearance> clearance_;
   std::map<Keep, InnerExtension> extensions_;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
-#include <map>
 #include <vector>
 
 #include "interaction/interaction.h"
@@ -14,14 +12,6 @@ namespace palpate {
   std::vector<Index> points;
   for (const PrescribedPoint& p : interaction.prescribed_points()) points.push_back(p.point);
   return points;
-}
-
-/// Whether a tool is bonded to one point alone: its force tends to 0 as cells become smaller.
-[[nodiscard]] inline bool holds_single_point(const Interaction& interaction) {
-  std::map<Index, int> num_points;
-  for (const PrescribedPoint& p : interaction.prescribed_points()) ++num_points[p.coordinate];
-  return std::any_of(num_points.begin(), num_points.end(),
-                     [](const auto& tool) { return tool.second == 1; });
 }
 
 }  // namespace palpate

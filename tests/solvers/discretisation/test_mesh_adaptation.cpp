@@ -39,13 +39,14 @@ std::vector<TouchOnMesh> press(const Scene& scene, const std::vector<Vec3>& plac
   const MeshErrorEstimator estimator(scene, solver.assembly());
   RigidTool tool;
   tool.radius = kRadius;
-  solver.set_interaction(make_contact(scene.body, with_defaults(tool, scene)));
+  const RigidContact contact = make_contact(scene.body, with_defaults(tool, scene));
+  solver.set_interaction(contact);
   std::vector<TouchOnMesh> touches;
   for (const Vec3& place : places) {
     const Vec3 above(place.x(), place.y(), kSize.z() + kRadius);
     const Equilibrium state = solver.solve(above - depth * Vec3::UnitZ(),
                                            solver.rest(above + 0.3 * kRadius * Vec3::UnitZ()));
-    const MeshErrorEstimate estimate = estimator.estimate(state);
+    const MeshErrorEstimate estimate = estimator.estimate(state, contact);
     touches.push_back({state.reaction, estimate.force,
                        state.outcome == Outcome::converged && estimate.is_small,
                        estimate.energy_of_cells});
