@@ -3,21 +3,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <sstream>
 #include <utility>
 
+#include "base/error.h"
+#include "mesh/refinement.h"
 #include "mesh/tet_mesh.h"
-#include "vtkBoundingBox.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
-#include "vtkImplicitFunction.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
+#include "vtkPalpateRegionSample.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
@@ -33,7 +35,7 @@ struct Mesh
 {
   std::vector<Tetrahedron> Tetrahedra;
   std::vector<int> Regions; ///< TetGen's number for each
-  vtkPoints* Points;
+  vtkSmartPointer<vtkPoints> Points;
 
   explicit Mesh(vtkUnstructuredGrid* grid)
     : Points(grid->GetPoints())
@@ -71,62 +73,6 @@ vtkSmartPointer<vtkPolyData> ToTetGen(
   }
   polydata->GetCellData()->AddArray(marker);
   return polydata;
-}
-
-vtkSmartPointer<vtkImageData> Sample(vtkImplicitFunction* region, const vtkBoundingBox& box)
-{
-  constexpr int cells_along_longest_side = 96;
-  const double step = box.GetMaxLength() / cells_along_longest_side;
-  auto image = vtkSmartPointer<vtkImageData>::New();
-  double lengths[3];
-  box.GetLengths(lengths);
-  int dimensions[3];
-  double spacing[3];
-  for (int i = 0; i < 3; ++i)
-  {
-    // The points at the ends lie on the box.
-    const int cells = std::max(1, static_cast<int>(std::ceil(lengths[i] / step)));
-    dimensions[i] = cells + 1;
-    spacing[i] = lengths[i] > 0 ? lengths[i] / cells : step;
-  }
-  image->SetOrigin(box.GetMinPoint()[0], box.GetMinPoint()[1], box.GetMinPoint()[2]);
-  image->SetSpacing(spacing);
-  image->SetDimensions(dimensions);
-  vtkNew<vtkDoubleArray> values;
-  values->SetName("Region");
-  values->SetNumberOfValues(image->GetNumberOfPoints());
-  for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
-  {
-    values->SetValue(i, region->FunctionValue(image->GetPoint(i)));
-  }
-  image->GetPointData()->AddArray(values);
-  return image;
-}
-
-/// Samples the function within the surface's box, and again more finely where it is negative. Null
-/// if it is nowhere negative.
-vtkSmartPointer<vtkImageData> SampleRegion(
-  vtkImplicitFunction* region, const vtkPalpateSurface& surface)
-{
-  const vtkBoundingBox whole(vtkPalpateBounds(surface).data());
-  const auto coarse = Sample(region, whole);
-  auto* values = coarse->GetPointData()->GetArray("Region");
-  vtkBoundingBox part;
-  for (vtkIdType i = 0; i < coarse->GetNumberOfPoints(); ++i)
-  {
-    if (values->GetTuple1(i) <= 0)
-    {
-      part.AddPoint(coarse->GetPoint(i));
-    }
-  }
-  if (!part.IsValid())
-  {
-    return nullptr;
-  }
-  const double* spacing = coarse->GetSpacing();
-  part.Inflate(spacing[0], spacing[1], spacing[2]);
-  part.IntersectBox(whole);
-  return Sample(region, part);
 }
 
 double VolumeOf(const Mesh& mesh, const Tetrahedron& ids)
@@ -194,6 +140,95 @@ std::map<int, int> NumberRegions(const Mesh& mesh, const vtkPalpateCompartments&
     }
   }
   return number;
+}
+
+/// Halves edges that are longer than what is asked for, and as few others as are needed, until
+/// there are none: walls stay where they are.
+/// @throws palpate::InputError that takes far too many tetrahedra.
+void Refine(const vtkPalpateEdges& edges, double mostTetrahedra, Mesh& mesh)
+{
+  double bounds[6];
+  mesh.Points->GetBounds(bounds);
+  const vtkPalpateEdgeField field(
+    edges, { bounds[0], bounds[1], bounds[2], bounds[3], bounds[4], bounds[5] });
+  palpate::TetMesh cells;
+  for (vtkIdType i = 0; i < mesh.Points->GetNumberOfPoints(); ++i)
+  {
+    cells.points.emplace_back(mesh.Points->GetPoint(i));
+  }
+  for (const Tetrahedron& tetrahedron : mesh.Tetrahedra)
+  {
+    for (const vtkIdType id : tetrahedron)
+    {
+      cells.cells.push_back(static_cast<palpate::Index>(id));
+    }
+  }
+  const auto place = [](const palpate::Vec3& x) { return vtkPalpatePoint{ x[0], x[1], x[2] }; };
+  std::vector<double> allowed;
+  for (;;)
+  {
+    for (std::size_t i = allowed.size(); i < cells.points.size(); ++i)
+    {
+      allowed.push_back(field.At(place(cells.points[i])));
+    }
+    std::vector<char> chosen(static_cast<std::size_t>(cells.num_cells()), 0);
+    bool any = false;
+    for (palpate::Index c = 0; c < cells.num_cells(); ++c)
+    {
+      const palpate::Index* corners = cells.cell(c);
+      double longest = 0;
+      double least = std::numeric_limits<double>::infinity();
+      palpate::Vec3 middle = palpate::Vec3::Zero();
+      for (int a = 0; a < 4; ++a)
+      {
+        const palpate::Vec3& x = cells.points[static_cast<std::size_t>(corners[a])];
+        middle += x / 4;
+        least = std::min(least, allowed[static_cast<std::size_t>(corners[a])]);
+        for (int b = 0; b < a; ++b)
+        {
+          longest =
+            std::max(longest, (x - cells.points[static_cast<std::size_t>(corners[b])]).norm());
+        }
+      }
+      chosen[static_cast<std::size_t>(c)] =
+        longest > least || longest > field.At(place(middle)) ? 1 : 0;
+      any = any || chosen[static_cast<std::size_t>(c)] != 0;
+    }
+    if (!any)
+    {
+      break;
+    }
+    palpate::Refinement finer = palpate::refine(cells, chosen);
+    std::vector<int> regions;
+    for (const palpate::Index parent : finer.parents)
+    {
+      regions.push_back(mesh.Regions[static_cast<std::size_t>(parent)]);
+    }
+    mesh.Regions = std::move(regions);
+    cells = std::move(finer.mesh);
+    if (cells.num_cells() > mostTetrahedra)
+    {
+      std::ostringstream text;
+      text << "The edges that are asked for, of "
+           << *std::min_element(allowed.begin(), allowed.end())
+           << " m at the least, take more than " << mostTetrahedra
+           << " tetrahedra. Ask for longer ones (RefineEdge or EdgeArray), let them grow faster "
+              "(EdgeGrowth), or correct the Unit.";
+      throw palpate::InputError(text.str());
+    }
+  }
+  mesh.Points = vtkSmartPointer<vtkPoints>::New();
+  mesh.Points->SetDataTypeToDouble();
+  for (const palpate::Vec3& point : cells.points)
+  {
+    mesh.Points->InsertNextPoint(point.data());
+  }
+  mesh.Tetrahedra.clear();
+  for (palpate::Index c = 0; c < cells.num_cells(); ++c)
+  {
+    const palpate::Index* corners = cells.cell(c);
+    mesh.Tetrahedra.push_back({ corners[0], corners[1], corners[2], corners[3] });
+  }
 }
 
 /// The points that tetrahedra use, in their old order, then the middles of edges.
@@ -299,13 +334,18 @@ void vtkPalpateMeshBody(const vtkPalpateSurface& walls, const vtkPalpateCompartm
   vtkSmartPointer<vtkImageData> region;
   if (options.RefineRegion && options.RefineVolume > 0)
   {
-    region = SampleRegion(options.RefineRegion, walls);
+    region = vtkPalpateSampleRegion(options.RefineRegion, vtkPalpateBounds(walls));
     tetgen.Region = region;
     tetgen.RegionVolume = options.RefineVolume;
   }
   const auto grid = vtkPalpateRunTetGen(ToTetGen(walls, compartments), tetgen, limits);
-  const Mesh mesh(grid);
-  BuildBody(mesh, NumberRegions(mesh, compartments), "Region", options.Quadratic, body);
+  Mesh mesh(grid);
+  const std::map<int, int> numbers = NumberRegions(mesh, compartments);
+  if (options.Edges.AnyAsked())
+  {
+    Refine(options.Edges, options.MostTetrahedra, mesh);
+  }
+  BuildBody(mesh, numbers, "Region", options.Quadratic, body);
 }
 
 void vtkPalpateMeshRegions(const vtkPalpateSurface& walls,
@@ -339,5 +379,10 @@ void vtkPalpateMeshRegions(const vtkPalpateSurface& walls,
     polydata->GetFieldData()->AddArray(array);
   }
   const auto grid = vtkPalpateRunTetGen(polydata, options.TetGen, limits);
-  BuildBody(Mesh(grid), number, "RegionId", options.Quadratic, body);
+  Mesh mesh(grid);
+  if (options.Edges.AnyAsked())
+  {
+    Refine(options.Edges, options.MostTetrahedra, mesh);
+  }
+  BuildBody(mesh, number, "RegionId", options.Quadratic, body);
 }

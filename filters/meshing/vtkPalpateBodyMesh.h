@@ -4,6 +4,7 @@
 
 #include "PalpateMeshingModule.h"
 #include "vtkPalpateCompartments.h"
+#include "vtkPalpateEdgeField.h"
 #include "vtkPalpateSurface.h"
 #include "vtkPalpateTetGenProcess.h"
 
@@ -15,6 +16,8 @@ struct vtkPalpateBodyMeshOptions
   bool Quadratic = false;
   vtkImplicitFunction* RefineRegion = nullptr; ///< negative where tetrahedra shall be smaller
   double RefineVolume = 0;                     ///< largest volume there, m³; 0 = as elsewhere
+  vtkPalpateEdges Edges;                       ///< where edges shall be no longer than asked
+  double MostTetrahedra = 2e7;                 ///< more are refused, if Edges ask for them
 };
 
 /// A part of space, enclosed by walls.

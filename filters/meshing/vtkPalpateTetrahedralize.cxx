@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpateTetrahedralize.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -8,6 +9,7 @@
 #include "vtkDataObject.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
+#include "vtkPalpateEdgeField.h"
 #include "vtkPalpateEstimate.h"
 
 vtkPalpateTetrahedralize::vtkPalpateTetrahedralize()
@@ -24,6 +26,9 @@ void vtkPalpateTetrahedralize::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Unit: " << this->Unit << "\n"
      << indent << "ElementOrder: " << this->ElementOrder << "\n"
      << indent << "MaximumRadiusEdgeRatio: " << this->MaximumRadiusEdgeRatio << "\n"
+     << indent << "RefineRegion: " << this->RefineRegion.Get() << "\n"
+     << indent << "RefineEdge: " << this->RefineEdge << " m\n"
+     << indent << "EdgeGrowth: " << this->EdgeGrowth << "\n"
      << indent << "TimeOut: " << this->TimeOut << " s\n"
      << indent << "Estimate: " << this->Estimate << "\n";
 }
@@ -40,6 +45,48 @@ void vtkPalpateTetrahedralize::SetController(vtkMultiProcessController* controll
 vtkMultiProcessController* vtkPalpateTetrahedralize::GetController() const
 {
   return this->Controller;
+}
+
+void vtkPalpateTetrahedralize::SetRefineRegion(vtkImplicitFunction* function)
+{
+  if (this->RefineRegion != function)
+  {
+    this->RefineRegion = function;
+    this->Modified();
+  }
+}
+
+vtkImplicitFunction* vtkPalpateTetrahedralize::GetRefineRegion() const
+{
+  return this->RefineRegion;
+}
+
+vtkMTimeType vtkPalpateTetrahedralize::GetMTime()
+{
+  const vtkMTimeType own = this->Superclass::GetMTime();
+  // A region that refines nothing must not cause the body to be meshed again when it is moved.
+  return this->RefineRegion && this->UsesRefineRegion()
+    ? std::max(own, this->RefineRegion->GetMTime())
+    : own;
+}
+
+vtkPalpateEdges vtkPalpateTetrahedralize::AskedEdges() const
+{
+  vtkPalpateEdges edges;
+  edges.Region = this->RefineRegion;
+  edges.RegionEdge = this->RefineEdge;
+  edges.Growth = this->EdgeGrowth;
+  return edges;
+}
+
+double vtkPalpateTetrahedralize::TetrahedraOfEdge(double volume) const
+{
+  // Measured: the mean volume of a tetrahedron whose longest edge is 1, and what the smaller ones
+  // around the region add.
+  constexpr double volumeOfEdge = 0.05;
+  constexpr double around = 2;
+  return this->RefineEdge > 0 ? around * volume / (volumeOfEdge * std::pow(this->RefineEdge, 3))
+                              : 0;
 }
 
 int vtkPalpateTetrahedralize::FillOutputPortInformation(int port, vtkInformation* info)
@@ -70,6 +117,10 @@ void vtkPalpateTetrahedralize::Validate() const
     this->ElementOrder, "1 (Linear) or 2 (Quadratic)");
   Require(this->MaximumRadiusEdgeRatio >= 1 && std::isfinite(this->MaximumRadiusEdgeRatio),
     "MaximumRadiusEdgeRatio", this->MaximumRadiusEdgeRatio, "at least 1");
+  Require(this->RefineEdge >= 0 && std::isfinite(this->RefineEdge), "RefineEdge", this->RefineEdge,
+    "a length in m, or 0 for none");
+  Require(this->EdgeGrowth > 0 && std::isfinite(this->EdgeGrowth), "EdgeGrowth", this->EdgeGrowth,
+    "above 0");
   Require(this->TimeOut >= 0, "TimeOut", this->TimeOut, "a time in s, or 0 for none");
 }
 

@@ -11,10 +11,12 @@
 #include <string>
 
 #include "PalpateMeshingModule.h"
+#include "vtkImplicitFunction.h"
 #include "vtkSmartPointer.h"
 #include "vtkUnstructuredGridAlgorithm.h"
 
 class vtkMultiProcessController;
+struct vtkPalpateEdges;
 
 class PALPATEMESHING_EXPORT vtkPalpateTetrahedralize : public vtkUnstructuredGridAlgorithm
 {
@@ -41,6 +43,22 @@ public:
   vtkSetMacro(MaximumRadiusEdgeRatio, double);
   vtkGetMacro(MaximumRadiusEdgeRatio, double);
   ///@}
+
+  ///@{ Where the mesh shall be finer: where the function is negative.
+  virtual void SetRefineRegion(vtkImplicitFunction* function);
+  vtkImplicitFunction* GetRefineRegion() const;
+  ///@}
+
+  ///@{
+  /// The longest edge of a tetrahedron in RefineRegion, m; beyond it edges may be longer by
+  /// EdgeGrowth in a metre. 0: as elsewhere.
+  vtkSetMacro(RefineEdge, double);
+  vtkGetMacro(RefineEdge, double);
+  vtkSetMacro(EdgeGrowth, double);
+  vtkGetMacro(EdgeGrowth, double);
+  ///@}
+
+  vtkMTimeType GetMTime() override;
 
   ///@{ TetGen is stopped after this time, s; 0 = never.
   vtkSetMacro(TimeOut, double);
@@ -73,6 +91,13 @@ protected:
   {
   };
 
+  /// Whether RefineRegion has an effect.
+  [[nodiscard]] virtual bool UsesRefineRegion() const { return this->RefineEdge > 0; }
+  /// What RefineEdge asks for.
+  [[nodiscard]] vtkPalpateEdges AskedEdges() const;
+  /// About how many tetrahedra that takes.
+  /// @param volume That of RefineRegion in the body, m³.
+  [[nodiscard]] double TetrahedraOfEdge(double volume) const;
   /// The text for UpdateEstimate(), on every rank.
   virtual std::string MakeEstimate() = 0;
   /// Checks the properties.
@@ -83,6 +108,9 @@ protected:
   /// @throws Aborted
   void Progress(double fraction);
 
+  vtkSmartPointer<vtkImplicitFunction> RefineRegion;
+  double RefineEdge = 0;
+  double EdgeGrowth = 0.4;
   int Unit = 0;
   int ElementOrder = Linear;
   double MaximumRadiusEdgeRatio = 1.414;

@@ -497,6 +497,8 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   vtkPalpateBodyMeshOptions options;
   options.TetGen.MaximumRadiusEdgeRatio = this->MaximumRadiusEdgeRatio;
   options.Quadratic = this->ElementOrder == 2;
+  options.Edges = this->AskedEdges();
+  options.MostTetrahedra = MostTetrahedra;
   const vtkPalpateTetGenLimits limits(
     this->TimeOut, [this](double fraction) { this->Progress(0.4 + 0.55 * fraction); });
 

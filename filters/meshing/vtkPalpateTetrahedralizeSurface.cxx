@@ -9,6 +9,9 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkDataArray.h"
 #include "vtkFieldData.h"
 #include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
@@ -20,6 +23,7 @@
 #include "vtkPalpateBodyMesh.h"
 #include "vtkPalpateCompartments.h"
 #include "vtkPalpateDroppedDirections.h"
+#include "vtkPalpateEdgeField.h"
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateGuard.h"
@@ -31,6 +35,7 @@
 #include "vtkPalpateWallAdvice.h"
 #include "vtkPalpateWallMatch.h"
 #include "vtkPalpateWholeSurface.h"
+#include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStringArray.h"
@@ -125,31 +130,8 @@ void vtkPalpateTetrahedralizeSurface::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "WallTolerance: " << this->WallTolerance << " m\n"
      << indent << "RepairSurface: " << this->RepairSurface << "\n"
      << indent << "RepairResolution: " << this->RepairResolution << "\n"
-     << indent << "RefineRegion: " << this->RefineRegion.Get() << "\n"
+     << indent << "EdgeArray: " << this->EdgeArray << "\n"
      << indent << "RefineVolume: " << this->RefineVolume << " m³\n";
-}
-
-void vtkPalpateTetrahedralizeSurface::SetRefineRegion(vtkImplicitFunction* function)
-{
-  if (this->RefineRegion != function)
-  {
-    this->RefineRegion = function;
-    this->Modified();
-  }
-}
-
-vtkImplicitFunction* vtkPalpateTetrahedralizeSurface::GetRefineRegion() const
-{
-  return this->RefineRegion;
-}
-
-vtkMTimeType vtkPalpateTetrahedralizeSurface::GetMTime()
-{
-  const vtkMTimeType own = this->Superclass::GetMTime();
-  // A region that refines nothing must not cause the body to be meshed again when it is moved.
-  return this->RefineRegion && this->RefineVolume > 0
-    ? std::max(own, this->RefineRegion->GetMTime())
-    : own;
 }
 
 int vtkPalpateTetrahedralizeSurface::FillInputPortInformation(int, vtkInformation* info)
@@ -190,6 +172,7 @@ int vtkPalpateTetrahedralizeSurface::RequestData(
         inputs.push_back(vtkDataObject::GetData(input[0], i));
       }
       const auto tissues = vtkPalpateGatherTissues(inputs, this->RegionArray, this->Controller);
+      const vtkPalpateEdges edges = this->EdgesOf(inputs);
       if (!tissues.Surface)
       {
         return;
@@ -201,7 +184,7 @@ int vtkPalpateTetrahedralizeSurface::RequestData(
       }
       try
       {
-        this->Tetrahedralize(tissues, body, faults);
+        this->Tetrahedralize(tissues, edges, body, faults);
       }
       catch (const Aborted&)
       {
@@ -250,10 +233,11 @@ double vtkPalpateTetrahedralizeSurface::CountTetrahedra(const vtkPalpateSurface&
   {
     number += volume / (ShareOfBound * this->MaximumVolume);
   }
-  if (this->RefineRegion && this->RefineVolume > 0)
+  if (this->RefineRegion && this->UsesRefineRegion())
   {
     const double part = std::min(volume, VolumeWithin(this->RefineRegion, surface));
-    number += part / (ShareOfBound * this->RefineVolume);
+    number += this->RefineVolume > 0 ? part / (ShareOfBound * this->RefineVolume) : 0;
+    number += this->TetrahedraOfEdge(part);
   }
   return number;
 }
@@ -308,8 +292,68 @@ void vtkPalpateTetrahedralizeSurface::RequireFewEnough(double volume) const
   }
 }
 
-void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
-  const vtkPalpateTissueSurfaces& tissues, vtkUnstructuredGrid* body, vtkPolyData* fault_output)
+vtkPalpateEdges vtkPalpateTetrahedralizeSurface::EdgesOf(
+  const std::vector<vtkDataObject*>& inputs) const
+{
+  vtkPalpateEdges edges = this->AskedEdges();
+  if (this->EdgeArray.empty() || this->EdgeArray == "None")
+  {
+    return edges;
+  }
+  std::vector<vtkPolyData*> surfaces;
+  for (vtkDataObject* input : inputs)
+  {
+    auto* blocks = vtkCompositeDataSet::SafeDownCast(input);
+    if (!blocks)
+    {
+      surfaces.push_back(vtkPolyData::SafeDownCast(input));
+      continue;
+    }
+    // Every rank goes through all blocks, also where it has no part of one.
+    const auto block = vtk::TakeSmartPointer(blocks->NewIterator());
+    block->SetSkipEmptyNodes(0);
+    for (block->InitTraversal(); !block->IsDoneWithTraversal(); block->GoToNextItem())
+    {
+      surfaces.push_back(vtkPolyData::SafeDownCast(block->GetCurrentDataObject()));
+    }
+  }
+  const double unit = vtkPalpateUnit::Length(this->Unit);
+  bool isKnown = false;
+  bool isHere = false;
+  for (vtkPolyData* piece : surfaces)
+  {
+    const auto surface = vtkPalpateGatherSurface(piece, this->Controller, true);
+    isHere = isHere || surface;
+    vtkDataArray* array =
+      surface ? surface->GetPointData()->GetArray(this->EdgeArray.c_str()) : nullptr;
+    if (!array || array->GetNumberOfComponents() != 1)
+    {
+      continue;
+    }
+    isKnown = true;
+    for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
+    {
+      const double edge = array->GetTuple1(i);
+      if (!(edge > 0) || !std::isfinite(edge))
+      {
+        continue;
+      }
+      double x[3];
+      surface->GetPoint(i, x);
+      edges.Sources.push_back({ edge, { unit * x[0], unit * x[1], unit * x[2] } });
+    }
+  }
+  if (isHere && !isKnown)
+  {
+    throw InputError("EdgeArray is '" + this->EdgeArray +
+      "', but no surface has a point array of that name with one number for each point. Choose "
+      "another one, or None.");
+  }
+  return edges;
+}
+
+void vtkPalpateTetrahedralizeSurface::Tetrahedralize(const vtkPalpateTissueSurfaces& tissues,
+  const vtkPalpateEdges& edges, vtkUnstructuredGrid* body, vtkPolyData* fault_output)
 {
   this->Validate();
   auto surface = this->SurfaceOf(tissues.Surface);
@@ -359,7 +403,7 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
     vtkPalpateTellGaps(walls, compartments) + vtkPalpateTellVoids(surface, walls, compartments);
   try
   {
-    this->Mesh(surface, repaired, tissues, body);
+    this->Mesh(surface, repaired, tissues, edges, body);
   }
   catch (const palpate::BackendError& error)
   {
@@ -442,7 +486,7 @@ vtkPalpateRepairOptions vtkPalpateTetrahedralizeSurface::RepairOptions()
 
 void vtkPalpateTetrahedralizeSurface::Mesh(const vtkPalpateSurface& given,
   vtkPalpateRepairedSurface& repaired, const vtkPalpateTissueSurfaces& tissues,
-  vtkUnstructuredGrid* body)
+  const vtkPalpateEdges& edges, vtkUnstructuredGrid* body)
 {
   vtkPalpateBodyMeshOptions options;
   options.TetGen.MaximumRadiusEdgeRatio = this->MaximumRadiusEdgeRatio;
@@ -451,6 +495,8 @@ void vtkPalpateTetrahedralizeSurface::Mesh(const vtkPalpateSurface& given,
   options.Quadratic = this->ElementOrder == Quadratic;
   options.RefineRegion = this->RefineRegion;
   options.RefineVolume = this->RefineVolume;
+  options.Edges = edges;
+  options.MostTetrahedra = MostTetrahedra;
 
   const vtkPalpateTetGenLimits limits(
     this->TimeOut, [this](double fraction) { this->Progress(0.4 + 0.5 * fraction); });

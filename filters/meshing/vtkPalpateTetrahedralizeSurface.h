@@ -88,17 +88,17 @@ public:
   vtkGetMacro(RepairResolution, int);
   ///@}
 
-  ///@{ Where the function is negative, tetrahedra are no larger than RefineVolume.
-  virtual void SetRefineRegion(vtkImplicitFunction* function);
-  vtkImplicitFunction* GetRefineRegion() const;
-  ///@}
-
   ///@{ Largest volume of a tetrahedron in RefineRegion, m³; 0 = as elsewhere.
   vtkSetMacro(RefineVolume, double);
   vtkGetMacro(RefineVolume, double);
   ///@}
 
-  vtkMTimeType GetMTime() override;
+  ///@{
+  /// A point array of the surfaces: how long edges of tetrahedra may be there, m, and by EdgeGrowth
+  /// longer in a metre of distance; where it is 0, nothing is asked. "None": there is none.
+  vtkSetStdStringFromCharMacro(EdgeArray);
+  vtkGetCharFromStdStringMacro(EdgeArray);
+  ///@}
 
 protected:
   vtkPalpateTetrahedralizeSurface();
@@ -110,6 +110,10 @@ protected:
   int RequestData(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
 
+  bool UsesRefineRegion() const override
+  {
+    return this->RefineVolume > 0 || this->Superclass::UsesRefineRegion();
+  }
   std::string MakeEstimate() override;
   void Validate() const override;
 
@@ -117,8 +121,12 @@ private:
   vtkPalpateTetrahedralizeSurface(const vtkPalpateTetrahedralizeSurface&) = delete;
   void operator=(const vtkPalpateTetrahedralizeSurface&) = delete;
 
-  void Tetrahedralize(
-    const vtkPalpateTissueSurfaces& tissues, vtkUnstructuredGrid* body, vtkPolyData* faults);
+  /// @param edges What EdgeArray asks for.
+  void Tetrahedralize(const vtkPalpateTissueSurfaces& tissues, const vtkPalpateEdges& edges,
+    vtkUnstructuredGrid* body, vtkPolyData* faults);
+  /// What EdgeArray and RefineEdge ask for, on rank 0. @note Collective.
+  /// @throws palpate::InputError no surface has the array.
+  vtkPalpateEdges EdgesOf(const std::vector<vtkDataObject*>& inputs) const;
   vtkPalpateSurface SurfaceOf(vtkPolyData* input) const;
   /// The surfaces with one triangulation for each wall that two of them share; nothing if there is
   /// no such wall.
@@ -127,7 +135,8 @@ private:
     const vtkPalpateSurfaceFaults& faults) const;
   vtkPalpateRepairOptions RepairOptions();
   void Mesh(const vtkPalpateSurface& given, vtkPalpateRepairedSurface& repaired,
-    const vtkPalpateTissueSurfaces& tissues, vtkUnstructuredGrid* body);
+    const vtkPalpateTissueSurfaces& tissues, const vtkPalpateEdges& edges,
+    vtkUnstructuredGrid* body);
   /// @param volume The volume of the body, m³.
   /// @throws palpate::InputError with MaximumVolume there would be far too many tetrahedra.
   void RequireFewEnough(double volume) const;
@@ -140,6 +149,6 @@ private:
   double WallTolerance = 0;
   bool RepairSurface = false;
   int RepairResolution = 80;
-  vtkSmartPointer<vtkImplicitFunction> RefineRegion;
   double RefineVolume = 0;
+  std::string EdgeArray = "None";
 };

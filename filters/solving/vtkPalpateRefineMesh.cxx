@@ -51,12 +51,6 @@ std::string Percent(double share)
   return text.str();
 }
 
-bool IsMixed(const palpate::Scene& scene)
-{
-  return std::any_of(scene.organ.materials.begin(), scene.organ.materials.end(),
-    [](const palpate::Material& material) { return palpate::is_mixed(material.formulation); });
-}
-
 /// The outward normal of the surface at each point, of unit length; 0 inside.
 std::vector<palpate::Vec3> UnitNormals(const palpate::TetMesh& mesh)
 {
@@ -328,12 +322,6 @@ void vtkPalpateRefineMesh::WarnOf(const palpate::AdaptedMesh& adapted)
         "which it is. A smaller Depth helps; a bonded tip has infinite strains at its rim, so that "
         "small cells "
         "there are turned inside out where a rigid Tool would press.");
-  }
-  if (IsMixed(adapted.scene))
-  {
-    vtkPalpateWarn(this,
-      "The body has mixed cells (a Poisson's ratio above 0.45), for which the estimate of the "
-      "error is up to 3 times too large: the mesh may be finer than MeshTolerance needs.");
   }
 }
 

@@ -253,11 +253,11 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene,
   }
   vtkPalpateWarn(this,
     std::string("The estimate of the error of the mesh (MeshError) cannot be trusted. ") +
-      (!estimate.is_held_well
-          ? "A tip holds fewer than " + std::to_string(palpate::kLeastHeldFaces) +
-            " whole faces of the surface: the force that holds a few points tends to 0 as the "
-            "cells become smaller, so that much of it is that error. Give the tool a TipRadius of "
-            "several edges of the cells, or mesh the body more finely there."
+      (estimate.is_bonded
+          ? "A tool is bonded to the body: at the rim of a bonded tip the stress is singular, and "
+            "the error is up to three times the estimate; of a force that holds a single point "
+            "(TipRadius below the edges of the cells) all is error. Give the tool a TipRadius of "
+            "several edges, or touch with a rigid tool, for which the estimate is made."
           : "It is made for quadratic cells, and for cells that "
             "are not too large for what the tool does to them. Choose quadratic cells where the "
             "body is meshed (ElementOrder), or mesh it more finely where MeshErrorEnergy is "

@@ -20,6 +20,9 @@
  *   `MeanErrorN`, `P99ErrorN`, `LargestErrorN`
  *                               the absolute error of the force, N
  *   `LargestForce`              the largest exact force at the test points that count, N
+ *   `MeanMeshErrorN`, `LargestMeshErrorN`, `MeshErrorReliable`
+ *                               the estimated error that the mesh makes in the force, N, and the
+ *                               share of points at which it is reliable, %
  *   `Noticeable`                the share of test points whose relative error exceeds 10 %, %
  *   `NearRestError`             the largest relative error within 1 % of the half-width from rest,
  *                               or where a rigid tool begins to touch, %

@@ -203,6 +203,36 @@ def show_two_hands(material, scene):
     GetAnimationScene().AnimationTime = 0
 
 
+def show_carried_surface(surface, solve, body):
+    """The deformed body, and beside it a fine surface that it carries."""
+    fine = LoopSubdivision(Input=Triangulate(Input=surface))
+    fine.NumberofSubdivisions = 4
+    left = GetActiveView()
+    right = CreateView("RenderView")
+    GetLayout(left).SplitView(0, "Horizontal")
+    AssignViewToLayout(view=right, layout=GetLayout(left), hint=2)
+    SetActiveView(right)
+    carried = CarrySurface(Input=solve, Surface=fine)
+    display = Show(carried, right)
+    ColorBy(display, None)
+    SetActiveView(left)
+    display = Show(body, left)
+    display.SetRepresentationType("Surface With Edges")
+    ColorBy(display, None)
+    for view in (left, right):
+        SetActiveView(view)
+        view.OrientationAxesVisibility = 0
+        look(body if view == left else carried)
+    SetActiveSource(carried)
+    wait(0.5)
+    picture("CarrySurface")
+    Delete(right)
+    SetActiveView(left)
+    left.OrientationAxesVisibility = 1
+    for source in (carried, fine):
+        Delete(source)
+
+
 def main():
     window.resize(SIZE)
     dock = part("pqPalpateInteractorDock", QtWidgets.QDockWidget)
@@ -274,6 +304,7 @@ def main():
     Hide(solve)
     SetActiveSource(solve)
     picture("SolveEquilibrium")
+    show_carried_surface(surface, solve, warp)
     Delete(warp)
     Delete(solve)
 

@@ -42,7 +42,6 @@ MeshErrorEstimator::MeshErrorEstimator(const Scene& scene, const Assembly& assem
     : recovery_(scene.body.mesh, scene.body.material_of_cell),
       pressures_(scene.body.mesh, assembly.pressures_of_corners(), assembly.num_pressures()),
       order_(scene.body.mesh.order),
-      faces_(boundary_faces(scene.body.mesh)),
       mean_edge_(assembly.mean_edge()) {
   std::map<std::pair<Law, bool>, Group> groups;
   const int points_per_cell = recovery_.points_per_cell();
@@ -116,31 +115,6 @@ double MeshErrorEstimator::integral(const Field& field) const {
   return sum;
 }
 
-bool MeshErrorEstimator::holds_enough_faces(const Interaction& tool) const {
-  // The coordinate that holds each point; −1: none does.
-  std::vector<Index> held;
-  std::map<Index, int> num_faces;
-  for (const PrescribedPoint& p : tool.prescribed_points()) {
-    if (held.size() <= static_cast<std::size_t>(p.point)) {
-      held.resize(static_cast<std::size_t>(p.point) + 1, -1);
-    }
-    held[p.point] = p.coordinate;
-    num_faces[p.coordinate] = 0;
-  }
-  const auto holder = [&](Index point) {
-    return static_cast<std::size_t>(point) < held.size() ? held[point] : Index{-1};
-  };
-  const int nodes = nodes_per_face(order_);
-  for (auto face = faces_.begin(); face != faces_.end(); face += nodes) {
-    const Index by = holder(*face);
-    const bool is_whole =
-        by >= 0 && std::all_of(face, face + nodes, [&](Index p) { return holder(p) == by; });
-    if (is_whole) ++num_faces[by];
-  }
-  return std::all_of(num_faces.begin(), num_faces.end(),
-                     [](const auto& of_tool) { return of_tool.second >= kLeastHeldFaces; });
-}
-
 MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
                                                const Interaction& tool) const {
   const Field here = field(at.u, at.p);
@@ -174,9 +148,9 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
   estimate.is_small = (at.flags & flags::inverted) == 0 && std::isfinite(squared) && squared >= 0 &&
                       estimate.force.allFinite() &&
                       estimate.force.norm() <= kMostReliable * largest;
-  estimate.is_held_well = holds_enough_faces(tool);
+  estimate.is_bonded = !tool.prescribed_points().empty();
   estimate.is_reliable =
-      estimate.is_small && estimate.is_held_well && order_ == ElementOrder::quadratic;
+      estimate.is_small && !estimate.is_bonded && order_ == ElementOrder::quadratic;
   return estimate;
 }
 

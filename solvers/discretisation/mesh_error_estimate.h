@@ -9,12 +9,15 @@
 // it, in the norm of the deformed body. ΔΠ is a function of the state alone, so its derivative
 // follows from the sensitivity v = du/dt, and no other mesh is needed.
 //
+// In mixed cells the energy depends on their pressure p too, and so does the norm: with the error
+// p* − p of the pressure (pressure_recovery.h) it is that of tangent_norm.h.
+//
 // The factor c = 1.4 was fitted to a liver of quadratic cells (ν = 0.4) which a ball of 10 mm
 // presses by 8 mm, and to its refinement into eight cells each, both against meshes that are twice
 // as fine, extrapolated. The ratio of the estimated to the true error of the force was between 0.84
-// and 1.31 in these twelve cases, with errors of 7 to 35 % of the force. Where a tip of 11 mm was
-// bonded to the same liver it was between 0.92 and 1.20. On a box of regular bricks the estimate is
-// too small (0.6).
+// and 1.31 in these twelve cases, with errors of 7 to 35 % of the force. At random places, with ν
+// from 0.4 to 0.49, it was as good (tests/benchmark/README.md). On a box of regular bricks the
+// estimate is too small (0.6).
 #pragma once
 
 #include <vector>
@@ -29,9 +32,6 @@
 
 namespace palpate {
 
-/// See MeshErrorEstimate::is_held_well.
-inline constexpr int kLeastHeldFaces = 8;
-
 struct MeshErrorEstimate {
   /// ΔΠ, J; not positive, except where the body has lost its stability.
   double energy = 0;
@@ -42,12 +42,12 @@ struct MeshErrorEstimate {
   std::vector<double> energy_of_cells;
   /// Whether it is finite and less than half of the force, and no cell of the state is inverted.
   bool is_small = true;
-  /// Whether each tool that is bonded to the body holds kLeastHeldFaces whole faces of the surface.
-  /// The force that holds single points tends to 0 as cells become smaller, and the border of a
-  /// patch of few faces is not resolved.
-  bool is_held_well = true;
-  /// Whether the estimate may be trusted: where it is small and the body is held well, but not for
-  /// bodies of linear cells, for which c was not fitted.
+  /// Whether a tool is bonded to points of the body.
+  bool is_bonded = false;
+  /// Whether the estimate may be trusted: where it is small, but not for bodies of linear cells,
+  /// for which c was not fitted, nor where a tool is bonded to the body. The stress is singular at
+  /// the rim of a bonded tip, so that the estimate is a third to four fifths of the error; and the
+  /// force that holds a single point is an error as a whole.
   bool is_reliable = true;
 };
 
@@ -90,7 +90,6 @@ class MeshErrorEstimator {
                             const Eigen::Ref<const NodalVector>& p) const;
   /// The norm at each point of a group, times its weight, J [points, with the filling].
   [[nodiscard]] std::vector<double> norms(const Group& group, const Field& field) const;
-  [[nodiscard]] bool holds_enough_faces(const Interaction& tool) const;
   /// The sum over all groups, J.
   [[nodiscard]] double integral(const Field& field) const;
 
@@ -98,8 +97,6 @@ class MeshErrorEstimator {
   PressureRecovery pressures_;
   std::vector<Group> groups_;
   ElementOrder order_;
-  /// boundary_faces() of the mesh.
-  std::vector<Index> faces_;
   double mean_edge_;
 };
 

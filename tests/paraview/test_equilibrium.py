@@ -87,14 +87,16 @@ def test_condition():
 
 
 def test_mesh_error():
-    """It is not computed by default, and that of a single point is not trusted."""
+    """It is not computed by default; that of a rigid tool is trusted, and that of a bonded tip or
+    of linear cells is not."""
     boundary = scene("mesh_error", "Neo-Hookean")
-    node, way = node_at(boundary, [0.2, 0.05, 0.05]), [0.01, 0.005, 0]
-    without = solve(boundary, [node], way, TipRadius=0.05)
+    ball = {"Tool": "Sphere", "ToolRadius": 0.05, "ToolPosition": [0.1, 0.05, 0.14]}
+    without = expect_silence(lambda: fetch(SolveEquilibrium(Input=boundary, **ball)))
     for arrays, name in ((without.GetFieldData(), "MeshError"),
                          (without.GetCellData(), "MeshErrorEnergy")):
         assert not arrays.HasArray(name), name
-    after = solve(boundary, [node], way, TipRadius=0.05, EstimateMeshError=1)
+    pressed = SolveEquilibrium(Input=boundary, EstimateMeshError=1, **ball)
+    after = expect_silence(lambda: fetch(pressed))
     error, force = field(after, "MeshError")[0], field(after, "ReactionForce")[0]
     assert (force == field(without, "ReactionForce")[0]).all()
     assert field(after, "MeshErrorReliable")[0] == 1
@@ -104,14 +106,21 @@ def test_mesh_error():
     assert of_cells.shape == (after.GetNumberOfCells(),) and (of_cells >= 0).all()
     assert 1e-3 < of_cells.sum() / field(after, "Energy")[0] < 0.5
 
-    # Within the smaller of these tips, no other point lies than the middle.
-    for tip_radius in (0, 0.001):
+    # Within the smallest of these tips, no other point lies than the middle.
+    node, way = node_at(boundary, [0.2, 0.05, 0.05]), [0.01, 0.005, 0]
+    for tip_radius in (0, 0.001, 0.05):
         equilibrium = SolveEquilibrium(Input=boundary, ActiveNodes=[node], Displacement=way,
                                        TipRadius=tip_radius, EstimateMeshError=1)
         with Messages() as messages:
-            point = fetch(equilibrium)
-        assert "TipRadius" in messages.text and "single point" in messages.text, messages.text
-        assert field(point, "MeshErrorReliable")[0] == 0
+            tip = fetch(equilibrium)
+        for word in ("TipRadius", "single point", "rigid tool"):
+            assert word in messages.text, messages.text
+        assert field(tip, "MeshErrorReliable")[0] == 0
+    linear = SolveEquilibrium(Input=scene("linear_error", quadratic=False), EstimateMeshError=1,
+                              **ball)
+    with Messages() as messages:
+        assert field(fetch(linear), "MeshErrorReliable")[0] == 0
+    assert "quadratic cells" in messages.text, messages.text
 
 
 def test_increments():

@@ -79,9 +79,36 @@ def test_every_property(image):
     names = set(body.ListProperties()) - {"Input", "ErrorCode", "Estimate", "UpdateEstimate"}
     assert names == {"Unit", "LabelArray", "Labels", "Smoothing", "SmallestIsland", "FillHoles",
                      "ElementSize", "LabelSizes", "ElementOrder", "MaximumRadiusEdgeRatio",
-                     "TimeOut"}, names
+                     "TimeOut", "RefineRegion", "RefineEdge", "EdgeGrowth"}, names
     grid = expect_silence(lambda: fetch(body))
     assert set(cell_array(grid, "RegionId")) == {2}
+
+
+def test_edges_in_a_region(image, volumes):
+    """Finer where a tool will press, with the tissues as they were."""
+    body = TetrahedralizeLabelMap(Input=image, Unit="mm", ElementSize=0.01)
+    coarse = fetch(body)
+    body.RefineRegion = "Sphere"
+    body.RefineRegion.Center, body.RefineRegion.Radius = [0.154, 0.03, -0.02], 0.006
+    body.RefineEdge = 0.003
+    grid = expect_silence(lambda: fetch(body))
+    assert grid.GetNumberOfCells() > 2 * coarse.GetNumberOfCells()
+    points = places(grid)
+    cells = numpy.array([[grid.GetCell(i).GetPointId(k) for k in range(4)]
+                         for i in range(grid.GetNumberOfCells())])
+    p = points[cells]
+    sizes = numpy.einsum("ij,ij->i", numpy.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]),
+                         p[:, 3] - p[:, 0]) / 6
+    assert sizes.min() > 0
+    region = cell_array(grid, "RegionId")
+    for label, told in zip(field(grid, "Label"), field(grid, "MeshVolume")):
+        assert math.isclose(sizes[region == label].sum(), told, rel_tol=1e-6), label
+        assert math.isclose(told, volumes[label], rel_tol=0.1), label
+    inside = numpy.linalg.norm(p.mean(axis=1) - [0.154, 0.03, -0.02], axis=1) < 0.005
+    edges = numpy.max([numpy.linalg.norm(p[:, a] - p[:, b], axis=1)
+                       for a in range(4) for b in range(a)], axis=0)
+    assert inside.sum() > 20 and edges[inside].max() <= 0.003 * (1 + 1e-6)
+    assert edges.max() > 0.008
 
 
 def test_errors(image):
@@ -101,6 +128,7 @@ def main():
     test_road(image, volumes)
     if RANKS == 1:
         test_every_property(image)
+        test_edges_in_a_region(image, volumes)
         test_errors(image)
 
 

@@ -47,7 +47,8 @@ def check_defaults_and_names():
     assert body.WallTolerance == 0
     assert body.RepairSurface == 0
     assert body.RepairResolution == 80
-    assert body.RefineVolume == 0
+    assert body.RefineVolume == 0 and body.RefineEdge == 0
+    assert body.EdgeArray == "None" and body.EdgeGrowth == 0.4
     assert body.TimeOut == 600
     grid = good(body, 1)
     assert grid.GetCellType(0) == VTK_TETRA
@@ -119,6 +120,85 @@ def check_refine_region():
     body.RefineRegion.Radius = 0.1
     fine, every = volumes_inside(lambda x: numpy.hypot(x[:, 0], x[:, 2]) < 0.1)
     assert len(fine) > 100 and fine.max() <= 1e-4 * (1 + 1e-6)
+
+
+def longest_edges(grid):
+    """Of each cell."""
+    p = places(grid)[corners(grid)]
+    return numpy.max([numpy.linalg.norm(p[:, a] - p[:, b], axis=1)
+                      for a in range(4) for b in range(a)], axis=0)
+
+
+def check_edges(grid, allowed):
+    """No edge is longer than allowed at the corners of its cell; most are not much shorter.
+    @returns the longest edges of the cells."""
+    longest = longest_edges(grid)
+    at_corners = allowed(places(grid))[corners(grid)].min(axis=1)
+    assert (longest <= at_corners * (1 + 1e-6)).all(), (longest / at_corners).max()
+    return longest
+
+
+def check_edges_in_a_region():
+    body = TetrahedralizeSurface(Input=Box(), PreserveSurface=1)
+    coarse = good(body, 1).GetNumberOfCells()
+    body.RefineRegion = "Sphere"
+    centre, radius = numpy.array([0.5, 0, 0]), 0.05
+    body.RefineRegion.Center, body.RefineRegion.Radius = list(centre), radius
+    body.RefineEdge = 0.03
+    # The region is known on a grid, half of whose diagonal is less than that.
+    slack = 0.02
+
+    def allowed(growth):
+        return lambda x: 0.03 + growth * numpy.maximum(
+            0, numpy.linalg.norm(x - centre, axis=1) - radius + slack)
+
+    grid = good(body, 1)
+    longest = check_edges(grid, allowed(0.4))
+    assert longest.max() > 0.3 and 500 < grid.GetNumberOfCells() < 20000, grid.GetNumberOfCells()
+    # The facets under the tool are as fine as the cells, and the box is still a box.
+    faces = fetch(ExtractSurface(Input=body))
+    near = [i for i in range(faces.GetNumberOfCells())
+            if numpy.linalg.norm(numpy.mean([faces.GetPoint(faces.GetCell(i).GetPointId(k))
+                                             for k in range(3)], axis=0) - centre) < radius]
+    assert len(near) > 10
+    body.EdgeGrowth = 1.5
+    fewer = good(body, 1)
+    check_edges(fewer, allowed(1.5))
+    assert coarse < fewer.GetNumberOfCells() < grid.GetNumberOfCells()
+    body.ElementOrder = "Quadratic"
+    assert good(body, 1).GetCellType(0) == VTK_QUADRATIC_TETRA
+    body.RefineRegion.Center = [5, 0, 0]
+    expect_error(lambda: fetch(body), "RefineRegion has no point in the body")
+    body.RefineRegion.Center, body.RefineEdge = [0, 0, 0], 1e-5
+    expect_error(lambda: fetch(body), "tetrahedra", "RefineEdge", "EdgeGrowth")
+
+
+def check_edges_of_an_array():
+    """Of surfaces of two regions, in mm: sizes at points of one of them."""
+    def sized(source):
+        return ProgrammableFilter(Input=source, Script="""
+import numpy
+output.ShallowCopy(inputs[0].VTKObject)
+points = numpy.array(inputs[0].Points)
+output.PointData.append(numpy.where(points[:, 2] > 999, 5e-2, 0.0), "Edge")
+""")
+    lower = Box(XLength=1000, YLength=1000, ZLength=1000, Center=[0, 0, 500])
+    upper = Box(XLength=1000, YLength=1000, ZLength=500, Center=[0, 0, 1250])
+    body = TetrahedralizeSurface(Input=[sized(lower), upper], Unit="mm", EdgeGrowth=0.6)
+    coarse = good(body, 1.5)
+    body.EdgeArray = "Edge"
+    grid = good(body, 1.5)
+    assert region_volumes(grid) == [1, 0.5]
+    corner = numpy.array([0.5, 0.5, 1])
+
+    def allowed(x):
+        return numpy.min([0.05 + 0.6 * numpy.linalg.norm(x - corner * [i, j, 1], axis=1)
+                          for i in (-1, 1) for j in (-1, 1)], axis=0)
+
+    longest = check_edges(grid, allowed)
+    assert longest.min() < 0.05 and grid.GetNumberOfCells() > 2 * coarse.GetNumberOfCells()
+    body.EdgeArray = "Other"
+    expect_error(lambda: fetch(body), "EdgeArray is 'Other'", "point array")
 
 
 def check_several_bodies():
@@ -216,6 +296,8 @@ def check_liver():
 check_defaults_and_names()
 check_every_property()
 check_refine_region()
+check_edges_in_a_region()
+check_edges_of_an_array()
 check_several_bodies()
 check_tissues_that_share_walls()
 check_errors()

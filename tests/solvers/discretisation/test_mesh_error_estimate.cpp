@@ -109,13 +109,14 @@ struct Touched {
     for (const Vec3& x : mesh.points) fixed.push_back(x.x() < 1e-9 ? 1 : 0);
     scene = test::make_scene(mesh, material, fixed);
     // Eigen takes seconds for a factor of the finer meshes.
-    const bool is_fine = scene.body.mesh.num_cells() > 1000;
+    const bool is_fine =
+        scene.body.mesh.num_cells() > 1000 && !is_mixed(scene.material_of(0).formulation);
     solver = std::make_unique<EquilibriumSolver>(scene, EquilibriumOptions(),
                                                  is_fine ? nullptr : make_linear_solver());
     if (presses) {
-      RigidTool tool;
-      tool.radius = 0.02;
-      this->tool = make_contact(scene.body, with_defaults(tool, scene)).clone();
+      RigidTool ball;
+      ball.radius = 0.02;
+      tool = make_contact(scene.body, with_defaults(ball, scene)).clone();
       solver->set_interaction(*this->tool);
       from = Vec3(0.06, 0.03, 0.075);
       to = Vec3(0.061, 0.031, 0.063);
@@ -170,7 +171,8 @@ TEST_P(EachTouch, TheErrorOfTheForceIsTheDerivativeOfThatOfTheEnergy) {
   const Equilibrium at = touched.touch();
   ASSERT_EQ(at.outcome, Outcome::converged);
   const MeshErrorEstimate estimate = estimator.estimate(at, *touched.tool);
-  EXPECT_TRUE(estimate.is_reliable);
+  EXPECT_EQ(estimate.is_reliable, GetParam().presses);
+  EXPECT_EQ(estimate.is_bonded, !GetParam().presses);
   EXPECT_LT(estimate.energy, 0);
   constexpr double step = 1e-5;
   for (int c = 0; c < 3; ++c) {
@@ -188,10 +190,12 @@ TEST_P(EachTouch, TheErrorOfTheForceIsTheDerivativeOfThatOfTheEnergy) {
 }
 
 TEST_P(EachTouch, IsNearTheErrorAgainstAFinerMesh) {
-  const Touched coarse = make({6, 4, 3});
+  // A direct solver has to do for mixed cells.
+  const bool is_mixed = GetParam().poissons_ratio > 0.45;
+  const Touched coarse = is_mixed ? make({4, 3, 2}) : make({6, 4, 3});
   const Equilibrium at = coarse.touch();
   const MeshErrorEstimate estimate = coarse.estimator().estimate(at, *coarse.tool);
-  const Eigen::VectorXd fine = make({12, 8, 6}).touch().reaction;
+  const Eigen::VectorXd fine = (is_mixed ? make({8, 6, 4}) : make({12, 8, 6})).touch().reaction;
   const Eigen::VectorXd direction = fine.normalized();
   // The finer mesh has an error too, of a quarter to a half of this one's.
   const double error = direction.dot(at.reaction - fine) * 4 / 3;
