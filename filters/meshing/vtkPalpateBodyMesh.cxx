@@ -18,6 +18,7 @@
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkIntArray.h"
+#include "vtkMath.h"
 #include "vtkNew.h"
 #include "vtkPalpateRegionSample.h"
 #include "vtkPointData.h"
@@ -147,6 +148,8 @@ std::map<int, int> NumberRegions(const Mesh& mesh, const vtkPalpateCompartments&
 /// @throws palpate::InputError that takes far too many tetrahedra.
 void Refine(const vtkPalpateEdges& edges, double mostTetrahedra, Mesh& mesh)
 {
+  // Of a regular tetrahedron with edges of 1: none whose edges are no longer has more.
+  constexpr double volumeOfEdge = 0.11785;
   double bounds[6];
   mesh.Points->GetBounds(bounds);
   const vtkPalpateEdgeField field(
@@ -173,26 +176,40 @@ void Refine(const vtkPalpateEdges& edges, double mostTetrahedra, Mesh& mesh)
     }
     std::vector<char> chosen(static_cast<std::size_t>(cells.num_cells()), 0);
     bool any = false;
+    double atTheLeast = 0;
     for (palpate::Index c = 0; c < cells.num_cells(); ++c)
     {
-      const palpate::Index* corners = cells.cell(c);
-      double longest = 0;
+      std::array<palpate::Vec3, 4> x;
       double least = std::numeric_limits<double>::infinity();
-      palpate::Vec3 middle = palpate::Vec3::Zero();
       for (int a = 0; a < 4; ++a)
       {
-        const palpate::Vec3& x = cells.points[static_cast<std::size_t>(corners[a])];
-        middle += x / 4;
-        least = std::min(least, allowed[static_cast<std::size_t>(corners[a])]);
-        for (int b = 0; b < a; ++b)
-        {
-          longest =
-            std::max(longest, (x - cells.points[static_cast<std::size_t>(corners[b])]).norm());
-        }
+        const auto corner = static_cast<std::size_t>(cells.cell(c)[a]);
+        x[a] = cells.points[corner];
+        least = std::min(least, allowed[corner]);
       }
-      chosen[static_cast<std::size_t>(c)] =
-        longest > least || longest > field.At(place(middle)) ? 1 : 0;
-      any = any || chosen[static_cast<std::size_t>(c)] != 0;
+      double longest = 0;
+      for (const auto& [a, b] : palpate::kTetEdges)
+      {
+        longest = std::max(longest, (x[a] - x[b]).norm());
+      }
+      const double inTheMiddle = field.At(place((x[0] + x[1] + x[2] + x[3]) / 4));
+      const bool isLong = longest > std::min(least, inTheMiddle);
+      chosen[static_cast<std::size_t>(c)] = isLong ? 1 : 0;
+      any = any || isLong;
+      const palpate::Vec3 sides[3] = { x[1] - x[0], x[2] - x[0], x[3] - x[0] };
+      const double volume =
+        vtkMath::Determinant3x3(sides[0].data(), sides[1].data(), sides[2].data()) / 6;
+      atTheLeast += std::max(1., volume / (volumeOfEdge * std::pow(inTheMiddle, 3)));
+    }
+    if (atTheLeast > mostTetrahedra)
+    {
+      std::ostringstream text;
+      text << "The edges that are asked for, of "
+           << *std::min_element(allowed.begin(), allowed.end())
+           << " m at the least, take more than " << mostTetrahedra
+           << " tetrahedra. Ask for longer ones (RefineEdge or EdgeArray), let them grow faster "
+              "(EdgeGrowth), or correct the Unit.";
+      throw palpate::InputError(text.str());
     }
     if (!any)
     {
@@ -206,16 +223,6 @@ void Refine(const vtkPalpateEdges& edges, double mostTetrahedra, Mesh& mesh)
     }
     mesh.Regions = std::move(regions);
     cells = std::move(finer.mesh);
-    if (cells.num_cells() > mostTetrahedra)
-    {
-      std::ostringstream text;
-      text << "The edges that are asked for, of "
-           << *std::min_element(allowed.begin(), allowed.end())
-           << " m at the least, take more than " << mostTetrahedra
-           << " tetrahedra. Ask for longer ones (RefineEdge or EdgeArray), let them grow faster "
-              "(EdgeGrowth), or correct the Unit.";
-      throw palpate::InputError(text.str());
-    }
   }
   mesh.Points = vtkSmartPointer<vtkPoints>::New();
   mesh.Points->SetDataTypeToDouble();

@@ -10,13 +10,13 @@
 #include "base/error.h"
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
+#include "vtkKdTreePointLocator.h"
 #include "vtkMath.h"
 #include "vtkNew.h"
 #include "vtkPalpateRegionSample.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
-#include "vtkStaticPointLocator.h"
 
 vtkPalpateEdgeField::vtkPalpateEdgeField(vtkPalpateEdges edges, const std::array<double, 6>& bounds)
   : Edges(std::move(edges))
@@ -46,7 +46,7 @@ vtkPalpateEdgeField::vtkPalpateEdgeField(vtkPalpateEdges edges, const std::array
   }
   vtkNew<vtkPolyData> within;
   within->SetPoints(points);
-  this->Within = vtkSmartPointer<vtkStaticPointLocator>::New();
+  this->Within = vtkSmartPointer<vtkKdTreePointLocator>::New();
   this->Within->SetDataSet(within);
   this->Within->BuildLocator();
   const double* spacing = image->GetSpacing();

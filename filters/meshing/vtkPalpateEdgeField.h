@@ -10,7 +10,7 @@
 #include "vtkSmartPointer.h"
 
 class vtkImplicitFunction;
-class vtkStaticPointLocator;
+class vtkKdTreePointLocator;
 
 /// What is asked for.
 struct vtkPalpateEdges
@@ -48,6 +48,6 @@ public:
 private:
   vtkPalpateEdges Edges;
   /// The points of a grid that lie in the region, and half of their distance, m.
-  vtkSmartPointer<vtkStaticPointLocator> Within;
+  vtkSmartPointer<vtkKdTreePointLocator> Within;
   double HalfSpacing = 0;
 };

@@ -207,10 +207,10 @@ def show_carried_surface(surface, solve, body):
     """The deformed body, and beside it a fine surface that it carries."""
     fine = LoopSubdivision(Input=Triangulate(Input=surface))
     fine.NumberofSubdivisions = 4
+    solve.TipRadius, solve.Displacement = 0.015, [0, 0, 0.015]
     left = GetActiveView()
     right = CreateView("RenderView")
-    GetLayout(left).SplitView(0, "Horizontal")
-    AssignViewToLayout(view=right, layout=GetLayout(left), hint=2)
+    AssignViewToLayout(view=right, layout=GetLayout(left), hint=0)
     SetActiveView(right)
     carried = CarrySurface(Input=solve, Surface=fine)
     display = Show(carried, right)

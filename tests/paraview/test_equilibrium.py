@@ -90,7 +90,7 @@ def test_mesh_error():
     """It is not computed by default; that of a rigid tool is trusted, and that of a bonded tip or
     of linear cells is not."""
     boundary = scene("mesh_error", "Neo-Hookean")
-    ball = {"Tool": "Sphere", "ToolRadius": 0.05, "ToolPosition": [0.1, 0.05, 0.14]}
+    ball = {"Tool": "Sphere", "ToolRadius": 0.08, "ToolPosition": [0.1, 0.05, 0.168]}
     without = expect_silence(lambda: fetch(SolveEquilibrium(Input=boundary, **ball)))
     for arrays, name in ((without.GetFieldData(), "MeshError"),
                          (without.GetCellData(), "MeshErrorEnergy")):

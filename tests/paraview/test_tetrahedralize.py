@@ -154,7 +154,7 @@ def check_edges_in_a_region():
 
     grid = good(body, 1)
     longest = check_edges(grid, allowed(0.4))
-    assert longest.max() > 0.3 and 500 < grid.GetNumberOfCells() < 20000, grid.GetNumberOfCells()
+    assert longest.max() > 0.15 and 500 < grid.GetNumberOfCells() < 60000, grid.GetNumberOfCells()
     # The facets under the tool are as fine as the cells, and the box is still a box.
     faces = fetch(ExtractSurface(Input=body))
     near = [i for i in range(faces.GetNumberOfCells())
