@@ -231,9 +231,10 @@ void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene,
   {
     vtkWarningMacro("The edges of the mesh under the tool are up to "
       << patch.longest_edge << " m long, and the tool's radius is " << radius
-      << " m. Such cells are too stiff: expect a force that is too large by about "
-      << std::lround(100 * meshError)
-      << " %, and that ripples along the surface, by 2 to 3 % of it where edges are as long as the "
+      << " m. Such cells are too stiff: expect a force that is too large by "
+      << (this->EstimateMeshError ? std::string("what MeshError says")
+                                  : "about " + std::to_string(std::lround(100 * meshError)) + " %")
+      << ", and that ripples along the surface, by 2 to 3 % of it where edges are as long as the "
          "radius and 10 to 12 % where they are twice as long. Mesh the body more finely there.");
   }
 }
