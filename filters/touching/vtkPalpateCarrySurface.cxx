@@ -18,7 +18,6 @@
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateDisplaySurface.h"
 #include "vtkPalpateFailure.h"
-#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateWholeBody.h"
@@ -113,12 +112,7 @@ int vtkPalpateCarrySurface::RequestData(
         return vtkPalpateDisplaySurface::Carrier{ this->Cache->Surface.points,
           this->Cache->Surface.triangles, {} };
       };
-      const std::string warning =
-        this->Cache->Display.Take(inputVector[1], bodyTime, controller, ranks, carrier);
-      if (!warning.empty())
-      {
-        vtkPalpateWarn(this, warning);
-      }
+      this->Cache->Display.Take(this, inputVector[1], bodyTime, controller, ranks, carrier);
       palpate::agree(ranks,
         [&]
         {

@@ -11,6 +11,7 @@
 #include "base/quantity.h"
 #include "mesh/surface_embedding.h"
 #include "schedule/communicator.h"
+#include "vtkBoundingBox.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
@@ -18,7 +19,9 @@
 #include "vtkFloatArray.h"
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
+#include "vtkPalpateScene.h"
 #include "vtkPalpateWholeSurface.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
@@ -29,7 +32,6 @@ namespace
 {
 using palpate::Vec3;
 
-constexpr const char* Displacement = "Displacement";
 /// How far off the body half of the points of a surface may be, and how far all of them without a
 /// warning, as shares of the body's diagonal.
 constexpr double MostHalf = 0.05;
@@ -42,18 +44,12 @@ constexpr double Thousand = 1000;
 
 double DiagonalOf(const std::vector<Vec3>& points)
 {
-  if (points.empty())
-  {
-    return 0;
-  }
-  Vec3 least = points.front();
-  Vec3 most = least;
+  vtkBoundingBox box;
   for (const Vec3& point : points)
   {
-    least = least.cwiseMin(point);
-    most = most.cwiseMax(point);
+    box.AddPoint(point[0], point[1], point[2]);
   }
-  return (most - least).norm();
+  return box.GetDiagonalLength();
 }
 
 std::vector<Vec3> PointsOf(vtkPolyData* surface)
@@ -206,8 +202,8 @@ bool vtkPalpateDisplaySurface::IsGiven() const
   return this->Surface != nullptr;
 }
 
-std::string vtkPalpateDisplaySurface::Take(vtkInformationVector* port, vtkMTimeType carrierTime,
-  vtkMultiProcessController* controller, palpate::Communicator& ranks,
+void vtkPalpateDisplaySurface::Take(vtkObject* filter, vtkInformationVector* port,
+  vtkMTimeType carrierTime, vtkMultiProcessController* controller, palpate::Communicator& ranks,
   const std::function<Carrier()>& carrier)
 {
   // The same on every rank.
@@ -215,13 +211,13 @@ std::string vtkPalpateDisplaySurface::Take(vtkInformationVector* port, vtkMTimeT
   {
     this->Surface.reset();
     this->SurfaceTime = 0;
-    return {};
+    return;
   }
   auto* input = vtkPalpateInput<vtkPolyData>(port);
   const vtkMTimeType time = input ? input->GetMTime() : 0;
   if (!palpate::any(ranks, time != this->SurfaceTime || carrierTime != this->CarrierTime))
   {
-    return {};
+    return;
   }
   this->Surface.reset();
   this->SurfaceTime = 0;
@@ -280,7 +276,10 @@ std::string vtkPalpateDisplaySurface::Take(vtkInformationVector* port, vtkMTimeT
     });
   this->CarrierTime = carrierTime;
   this->SurfaceTime = time;
-  return warning;
+  if (!warning.empty())
+  {
+    vtkPalpateWarn(filter, warning);
+  }
 }
 
 void vtkPalpateDisplaySurface::Follow(vtkPolyData* body) const
@@ -289,7 +288,7 @@ void vtkPalpateDisplaySurface::Follow(vtkPolyData* body) const
   vtkNew<vtkPolyData> carrier;
   carrier->ShallowCopy(body);
   vtkPointData* arrays = carrier->GetPointData();
-  vtkDataArray* displacement = arrays->GetArray(Displacement);
+  vtkDataArray* displacement = arrays->GetArray(vtkPalpateArray::Displacement);
   Eigen::VectorXf u(3 * displacement->GetNumberOfTuples());
   for (vtkIdType i = 0; i < u.size(); ++i)
   {
@@ -302,7 +301,7 @@ void vtkPalpateDisplaySurface::Follow(vtkPolyData* body) const
   body->GetFieldData()->ShallowCopy(carrier->GetFieldData());
   const vtkIdType number = embedded.Shown->GetNumberOfPoints();
   vtkNew<vtkFloatArray> carried;
-  carried->SetName(Displacement);
+  carried->SetName(vtkPalpateArray::Displacement);
   carried->SetNumberOfComponents(3);
   carried->SetNumberOfTuples(number);
   std::copy(shown.begin(), shown.end(), carried->GetPointer(0));
@@ -321,5 +320,5 @@ void vtkPalpateDisplaySurface::Follow(vtkPolyData* body) const
   }
   body->GetPointData()->SetVectors(carried);
   embedded.AddNormals(places, body);
-  body->GetPointData()->SetActiveScalars(Displacement);
+  body->GetPointData()->SetActiveScalars(vtkPalpateArray::Displacement);
 }

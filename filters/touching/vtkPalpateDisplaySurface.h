@@ -7,7 +7,6 @@
 #include <array>
 #include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "base/types.h"
@@ -19,6 +18,7 @@ class Communicator;
 }
 class vtkInformationVector;
 class vtkMultiProcessController;
+class vtkObject;
 class vtkPolyData;
 
 class vtkPalpateDisplaySurface
@@ -38,13 +38,13 @@ public:
   ~vtkPalpateDisplaySurface();
 
   /// Takes the surface of an optional input, if it or the carrier is another one than before.
+  /// @param filter Warns of points that are off the body.
   /// @param port The input, where there may be nothing.
   /// @param carrierTime When the body was made.
   /// @param carrier Called on rank 0.
-  /// @returns What a person should know; empty: nothing.
   /// @throws palpate::InputError the surface has no triangle or does not lie on the body.
   /// @note Collective.
-  std::string Take(vtkInformationVector* port, vtkMTimeType carrierTime,
+  void Take(vtkObject* filter, vtkInformationVector* port, vtkMTimeType carrierTime,
     vtkMultiProcessController* controller, palpate::Communicator& ranks,
     const std::function<Carrier()>& carrier);
 

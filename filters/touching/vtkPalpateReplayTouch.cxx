@@ -546,12 +546,8 @@ int vtkPalpateReplayTouch::RequestData(
             frame = replay.Recorded->At(time);
           }
         });
-      const std::string warning = replay.Display.Take(
-        inputVector[1], replay.InputTime, controller, ranks, [&] { return replay.Carrier; });
-      if (!warning.empty())
-      {
-        vtkPalpateWarn(this, warning);
-      }
+      replay.Display.Take(
+        this, inputVector[1], replay.InputTime, controller, ranks, [&] { return replay.Carrier; });
       replay.MakeSurface(frame, controller, surface);
       if (!shows || surface->GetNumberOfPoints() == 0)
       {

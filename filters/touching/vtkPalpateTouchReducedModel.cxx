@@ -19,7 +19,6 @@
 #include "vtkPalpateDisplaySurface.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFrameTimes.h"
-#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateReducedModel.h"
 #include "vtkPalpateScene.h"
@@ -130,14 +129,10 @@ int vtkPalpateTouchReducedModel::RequestData(
         return;
       }
       const palpate::Surface& surface = this->Cache->Surface;
-      const std::string warning = this->Display->Take(inputVector[1], inputTime, controller, ranks,
+      this->Display->Take(this, inputVector[1], inputTime, controller, ranks,
         [&] {
           return vtkPalpateDisplaySurface::Carrier{ surface.points, surface.triangles, {} };
         });
-      if (!warning.empty())
-      {
-        vtkPalpateWarn(this, warning);
-      }
       palpate::agree(ranks,
         [&]
         {

@@ -403,12 +403,8 @@ int vtkPalpateTouchStateSpace::RequestData(
         prepared->InputTime = input->GetMTime();
         this->Cache = std::move(prepared);
       }
-      const std::string warning = this->Display->Take(inputVector[1], this->Cache->InputTime,
-        controller, ranks, [&] { return vtkPalpateCarrierOfSpace(this->Cache->Space, input); });
-      if (!warning.empty())
-      {
-        vtkPalpateWarn(this, warning);
-      }
+      this->Display->Take(this, inputVector[1], this->Cache->InputTime, controller, ranks,
+        [&] { return vtkPalpateCarrierOfSpace(this->Cache->Space, input); });
       bool isHere = true;
       palpate::agree(ranks,
         [&]

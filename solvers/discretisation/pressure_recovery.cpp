@@ -78,37 +78,39 @@ void PressureRecovery::make_gradients(const TetMesh& mesh, Index num_pressures) 
   gradients_.setFromTriplets(entries.begin(), entries.end());
 }
 
-NodalVector PressureRecovery::at_points(const Eigen::Ref<const NodalVector>& p) const {
+template <class Value>
+NodalVector PressureRecovery::at_each_point(Value&& value) const {
   const Eigen::Index num_cells = corners_.cols() / 4;
   const auto per_cell = static_cast<Eigen::Index>(shares_.size());
   NodalVector result = NodalVector::Zero(num_cells * per_cell);
   for (Eigen::Index point = 0; point < result.size(); ++point) {
     const auto cell = static_cast<Index>(point / per_cell);
     if (pressure(cell, 0) < 0) continue;
-    const Eigen::Vector4d& shares = shares_[static_cast<std::size_t>(point % per_cell)];
-    for (int a = 0; a < 4; ++a) result[point] += shares[a] * p[pressure(cell, a)];
+    result[point] = value(cell, shares_[static_cast<std::size_t>(point % per_cell)]);
   }
   return result;
 }
 
+NodalVector PressureRecovery::at_points(const Eigen::Ref<const NodalVector>& p) const {
+  return at_each_point([&](Index cell, const Eigen::Vector4d& shares) {
+    double sum = 0;
+    for (int a = 0; a < 4; ++a) sum += shares[a] * p[pressure(cell, a)];
+    return sum;
+  });
+}
+
 NodalVector PressureRecovery::errors(const Eigen::Ref<const NodalVector>& p) const {
   const Eigen::VectorXd gradients = gradients_ * p;
-  const Eigen::Index num_cells = corners_.cols() / 4;
-  const auto per_cell = static_cast<Eigen::Index>(shares_.size());
-  NodalVector result = NodalVector::Zero(num_cells * per_cell);
-  for (Eigen::Index point = 0; point < result.size(); ++point) {
-    const auto cell = static_cast<Index>(point / per_cell);
-    if (pressure(cell, 0) < 0) continue;
-    const Eigen::Vector4d& shares = shares_[static_cast<std::size_t>(point % per_cell)];
+  return at_each_point([&](Index cell, const Eigen::Vector4d& shares) {
     const auto x = corners_.middleCols<4>(4 * Eigen::Index{cell});
     const Vec3 place = x * shares;
+    double sum = 0;
     for (int a = 0; a < 4; ++a) {
-      result[point] +=
-          0.5 * shares[a] *
-          gradients.segment<3>(3 * Eigen::Index{pressure(cell, a)}).dot(place - x.col(a));
+      const Vec3 gradient = gradients.segment<3>(3 * Eigen::Index{pressure(cell, a)});
+      sum += 0.5 * shares[a] * gradient.dot(place - x.col(a));
     }
-  }
-  return result;
+    return sum;
+  });
 }
 
 }  // namespace palpate

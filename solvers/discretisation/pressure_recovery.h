@@ -35,6 +35,9 @@ class PressureRecovery {
     return pressures_of_corners_[4 * static_cast<std::size_t>(cell) +
                                  static_cast<std::size_t>(corner)];
   }
+  /// The value of a mixed cell at each quadrature point, by the point's λ; 0 in other cells.
+  template <class Value>
+  [[nodiscard]] NodalVector at_each_point(Value&& value) const;
   void make_gradients(const TetMesh& mesh, Index num_pressures);
 
   std::vector<Index> pressures_of_corners_;
