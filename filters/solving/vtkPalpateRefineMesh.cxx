@@ -17,6 +17,7 @@
 #include "discretisation/mesh_adaptation.h"
 #include "discretisation/mesh_error_estimate.h"
 #include "equilibrium/equilibrium.h"
+#include "interaction/mesh_error.h"
 #include "interaction/rigid_tool.h"
 #include "interaction/tool_clearance.h"
 #include "vtkDoubleArray.h"
@@ -296,7 +297,7 @@ void vtkPalpateRefineMesh::WarnOf(const palpate::AdaptedMesh& adapted)
     text << (i == 0 ? "" : ", ");
     if (last.is_known[i] != 0)
     {
-      const double error = palpate::kSafetyOfEstimate * last.errors[i];
+      const double error = palpate::kMostOfEstimate * last.errors[i];
       text << "up to " << Percent(std::fmax(error, last.changes[i]));
     }
     else

@@ -11,7 +11,7 @@
  * those of the input, with their ids. Field arrays, a tuple a place:
  *
  *   `MeshError`       the estimated error of the force because of the size of the cells, as a share
- *                     of the force; the true one is up to palpate::kSafetyOfEstimate times as large
+ *                     of the force; the true one is up to palpate::kMostOfEstimate times as large
  *   `MeshErrorKnown`  1, or 0 where there was no equilibrium or the estimate is too large to be one
  *
  * Output port 1: a table with a row a mesh, `Cells`, `Unknowns`, `Seconds`, `LargestMeshError`, and

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <sstream>
@@ -11,6 +12,7 @@
 #include "base/content_hash.h"
 #include "base/error.h"
 #include "exploration/precompute.h"
+#include "exploration/region_bodies.h"
 #include "storage/state_space_file.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -24,6 +26,7 @@
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateGrowth.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateProgress.h"
 #include "vtkPalpateScene.h"
@@ -39,10 +42,12 @@ namespace
 {
 /// The key of everything that a state space depends on.
 /// @param region The region of the tool; null: there is none.
+/// @param meshes What the properties ask of the meshes of regions.
 std::string KeyOf(const palpate::Scene& scene, const palpate::PrecomputeOptions& options,
-  vtkImplicitFunction* region)
+  vtkImplicitFunction* region, const palpate::RegionOptions& meshes)
 {
   palpate::ContentHash key;
+  key.add(meshes.tolerance).add(meshes.size).add(meshes.max_cells);
   key.add(palpate::hash(scene)).add(scene.body.touchable).add(options.active_nodes);
   key.add(options.tip_radius).add(options.half_width).add(options.resolution);
   key.add(options.tolerance).add(options.tolerance_is_relative).add(options.force_limit);
@@ -80,6 +85,11 @@ std::string ToText(const palpate::ExplorationEstimate& estimate)
     vtkPalpateTellBytes(estimate.bytes_per_rank) + " of memory a rank and " +
     vtkPalpateTellBytes(estimate.file_bytes) + " of disk until it is complete, if there is a file.";
 }
+
+/// What an estimate for the mesh that is given does not say.
+constexpr const char* OnFinerMeshes =
+  " That is for the mesh as it is given. The meshes of the regions are made first, and are finer: "
+  "what they take is told then.";
 
 /// The time that the window has for itself between two executions of a space that grows. It asks
 /// every second, and makes up at once for questions that it could not ask meanwhile.
@@ -122,7 +132,8 @@ std::string Doubts(const palpate::PrecomputeReport& report)
   return text;
 }
 
-void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
+/// @param meshSeconds The time in which the meshes of regions were made, s.
+void AddReport(const palpate::PrecomputeReport& report, double meshSeconds, vtkFieldData* fields)
 {
   const auto add = [&](const char* name, double value)
   {
@@ -154,15 +165,17 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
   add("FactorisationSeconds", mean(work.factorisation_seconds, work.factorisations));
   add("SolveSeconds", mean(work.solve_seconds, work.right_hand_sides));
   add("FloorSeconds", work.floor_seconds());
+  add("MeshSeconds", meshSeconds);
 }
 }
 
 struct vtkPalpatePrecomputeStateSpace::Growth
 {
-  Growth(const palpate::BodyOfRun& body, const palpate::PrecomputeOptions& options, std::string of)
+  Growth(const std::vector<palpate::BodyOfRun>& bodies, const palpate::PrecomputeOptions& options,
+    std::string of)
     : Of(std::move(of))
     , Communicator(palpate::make_serial_communicator())
-    , Session(palpate::begin_exploration({ body }, options, *this->Communicator,
+    , Session(palpate::begin_exploration(bodies, options, *this->Communicator,
         [this](const palpate::ProgressState& state) { return this->Tell(state); }))
   {
   }
@@ -272,7 +285,7 @@ palpate::PrecomputeOptions vtkPalpatePrecomputeStateSpace::Options(
   options.history = static_cast<palpate::History>(this->History);
   options.intermediate_states = this->IntermediateStates;
   options.equilibrium.third_derivatives = this->ThirdDerivatives;
-  options.estimate_mesh_error = this->EstimateMeshError;
+  options.estimate_mesh_error = this->EstimateMeshError || this->MeshTolerance > 0;
   options.file = this->FileName;
   options.keep = static_cast<palpate::Keep>(this->Keep);
   options.touch_bound = this->DisplacementBound;
@@ -303,9 +316,73 @@ void vtkPalpatePrecomputeStateSpace::UpdateEstimate()
       const auto communicator = vtkPalpateCommunicator(controller);
       const int threads = palpate::num_threads(*communicator, this->Threads);
       return scene ? ToText(palpate::estimate_exploration(
-                       *scene, options, this->Cost.Of(*scene, threads), communicator->size()))
+                       *scene, options, this->Cost.Of(*scene, threads), communicator->size())) +
+          (this->MeshTolerance > 0 ? OnFinerMeshes : "")
                    : std::string();
     });
+}
+
+std::vector<palpate::BodyOfRun> vtkPalpatePrecomputeStateSpace::BodiesOfRun(
+  const std::shared_ptr<const palpate::Scene>& scene, const palpate::PrecomputeOptions& options,
+  palpate::Communicator& communicator)
+{
+  this->MeshSeconds = 0;
+  if (this->MeshTolerance == 0)
+  {
+    return { { scene, options.active_nodes } };
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const auto tell = [&](std::size_t made, std::size_t all)
+  {
+    if (communicator.rank() == 0)
+    {
+      const std::string text =
+        "Meshes of regions: " + std::to_string(made) + " of " + std::to_string(all);
+      this->SetProgressText(text.c_str());
+      this->UpdateProgress(0);
+    }
+    return this->GetAbortExecute() == 0;
+  };
+  palpate::DividedOrgan organ = palpate::divide_organ(scene, options,
+    { this->MeshTolerance, this->RegionSize, this->MaximumCells }, communicator, tell);
+  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - begin;
+  this->MeshSeconds = since.count();
+  if (communicator.rank() == 0)
+  {
+    this->WarnOf(organ.meshes);
+  }
+  return std::move(organ.bodies);
+}
+
+void vtkPalpatePrecomputeStateSpace::WarnOf(const std::vector<palpate::RegionMesh>& meshes)
+{
+  std::size_t number = 0;
+  double largest = 0;
+  bool isKnown = true;
+  bool isFull = false;
+  for (const palpate::RegionMesh& mesh : meshes)
+  {
+    if (mesh.was_in_file || mesh.end == palpate::AdaptationEnd::reached)
+    {
+      continue;
+    }
+    ++number;
+    isKnown = isKnown && std::isfinite(mesh.error);
+    isFull = isFull || mesh.end == palpate::AdaptationEnd::too_many_cells;
+    largest = std::fmax(largest, mesh.error);
+  }
+  if (number == 0)
+  {
+    return;
+  }
+  std::ostringstream text;
+  text.precision(2);
+  text << number << " of " << meshes.size()
+       << " meshes are not as fine as MeshTolerance asks: the error of a force may be "
+       << 100 * largest << " %" << (isKnown ? "" : ", and is not known at some place") << ". "
+       << (isFull ? "Raise MaximumCells or MeshTolerance. " : "")
+       << "Configurations tell their own error (MeshError, MeshErrorReliable).";
+  vtkPalpateWarn(this, text.str());
 }
 
 int vtkPalpatePrecomputeStateSpace::FillOutputPortInformation(int, vtkInformation* info)
@@ -360,7 +437,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
 
     const std::string of =
-      KeyOf(*scene, options, this->UseToolRegion ? this->ToolRegion.Get() : nullptr);
+      KeyOf(*scene, options, this->UseToolRegion ? this->ToolRegion.Get() : nullptr,
+        { this->MeshTolerance, this->RegionSize, this->MaximumCells });
     const bool fileIsThere = this->FileName.empty() || std::filesystem::exists(this->FileName);
     if (!palpate::any(communicator, of != this->LastOf || !fileIsThere))
     {
@@ -369,7 +447,6 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
     this->LastOf.clear();
 
-    const palpate::BodyOfRun ofRun{ scene, options.active_nodes };
     const palpate::Progress tell = vtkPalpateProgress(
       this, communicator.rank(), this->LogInterval, "Precompute State Space", "configurations");
     palpate::PrecomputeResult result;
@@ -380,7 +457,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       if (!growth || growth->Of != of || !fileIsThere)
       {
         growth.reset();
-        growth = std::make_unique<Growth>(ofRun, options, of);
+        growth =
+          std::make_unique<Growth>(this->BodiesOfRun(scene, options, communicator), options, of);
       }
       result = growth->GoOn(this->UpdateInterval, tell);
       if (growth->Session->state() == palpate::ExplorationSession::State::paused)
@@ -397,7 +475,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
         const bool isDue = this->UpdateInterval > 0 && state.seconds >= this->UpdateInterval;
         return tell(state) && !(isDue && state.num_solved > 0);
       };
-      result = palpate::precompute({ ofRun }, options, communicator, progress);
+      result = palpate::precompute(
+        this->BodiesOfRun(scene, options, communicator), options, communicator, progress);
     }
     const bool grows = this->UpdateInterval > 0 && !result.report.complete &&
       !palpate::any(communicator, this->GetAbortExecute() != 0);
@@ -428,7 +507,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     for (const auto& configurations : vtkPalpateConfigurations(output))
     {
       vtkPalpateAddFile(this->FileName, result.report.complete, configurations->GetFieldData());
-      AddReport(result.report, configurations->GetFieldData());
+      AddReport(result.report, this->MeshSeconds, configurations->GetFieldData());
       output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
     }
     keep();
@@ -490,6 +569,9 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "IntermediateStates: " << this->IntermediateStates << '\n'
      << indent << "ThirdDerivatives: " << this->ThirdDerivatives << '\n'
      << indent << "EstimateMeshError: " << this->EstimateMeshError << '\n'
+     << indent << "MeshTolerance: " << this->MeshTolerance << '\n'
+     << indent << "RegionSize: " << this->RegionSize << '\n'
+     << indent << "MaximumCells: " << this->MaximumCells << '\n'
      << indent << "FileName: " << this->FileName << '\n'
      << indent << "Keep: " << this->Keep << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'

@@ -25,6 +25,7 @@
  *   `FinishingSeconds`          the wall time of what follows the exploration, s
  *   `AssemblySeconds`, `FactorisationSeconds`, `SolveSeconds`
  *                               the mean time of one such operation in this run, s
+ *   `MeshSeconds`               the wall time in which the meshes of regions were made, s
  *   `FloorSeconds`              the least time of a configuration, s: one assembly, one
  *                               factorisation and three solves
  *
@@ -39,6 +40,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "PalpateStateSpaceModule.h"
 #include "vtkNew.h"
@@ -53,8 +55,12 @@ class vtkPolyData;
 
 namespace palpate
 {
+struct BodyOfRun;
+class Communicator;
 struct ContactOptions;
 struct PrecomputeOptions;
+struct RegionMesh;
+struct Scene;
 }
 
 class PALPATESTATESPACE_EXPORT vtkPalpatePrecomputeStateSpace : public vtkPalpateToolFilter
@@ -162,6 +168,25 @@ public:
   vtkBooleanMacro(EstimateMeshError, bool);
   ///@}
   ///@{
+  /// The largest error of a force that the mesh may cause, as a share of it: the organ is divided
+  /// into regions with meshes of their own, each fine where it is touched there, and so is each
+  /// active node. The force is corrected by its estimated error where that may be trusted, and what
+  /// is left is meant. 0: the space stands on the mesh that is given.
+  vtkSetMacro(MeshTolerance, double);
+  vtkGetMacro(MeshTolerance, double);
+  ///@}
+  ///@{
+  /// The largest distance of a place of the surface from the centre of its region, m; 0: four
+  /// half-widths of the tool.
+  vtkSetMacro(RegionSize, double);
+  vtkGetMacro(RegionSize, double);
+  ///@}
+  ///@{
+  /// The mesh of a region gets no more cells than this.
+  vtkSetMacro(MaximumCells, int);
+  vtkGetMacro(MaximumCells, int);
+  ///@}
+  ///@{
   /// Where the space is kept (.palpate) and resumed; empty: in memory alone.
   vtkSetStdStringFromCharMacro(FileName);
   vtkGetCharFromStdStringMacro(FileName);
@@ -241,6 +266,12 @@ private:
   /// @param surface What this rank has of that of the tool. @note Collective.
   palpate::PrecomputeOptions Options(vtkPolyData* surface, vtkMultiProcessController* controller);
 
+  /// The bodies of a run: the one that is given, or those of the regions that it is divided into.
+  /// @note Collective.
+  std::vector<palpate::BodyOfRun> BodiesOfRun(const std::shared_ptr<const palpate::Scene>& scene,
+    const palpate::PrecomputeOptions& options, palpate::Communicator& communicator);
+  void WarnOf(const std::vector<palpate::RegionMesh>& meshes);
+
   bool Graspable = false;
   bool UseToolRegion = false;
   vtkSmartPointer<vtkImplicitFunction> ToolRegion;
@@ -257,6 +288,11 @@ private:
   int IntermediateStates = 0;
   bool ThirdDerivatives = true;
   bool EstimateMeshError = false;
+  double MeshTolerance = 0;
+  double RegionSize = 0;
+  int MaximumCells = 20000;
+  /// The time in which the meshes of regions were made, s.
+  double MeshSeconds = 0;
   std::string FileName;
   int Keep = SURFACE;
   double SolverTolerance = 1e-9;

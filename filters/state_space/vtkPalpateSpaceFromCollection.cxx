@@ -182,6 +182,24 @@ void ReadContact(vtkFieldData* fields, vtkIdType number, palpate::ToolSpaceSetup
   }
 }
 
+/// @param number The number of the tool space among all.
+void ReadRegion(vtkFieldData* fields, vtkIdType number, palpate::ToolSpaceSetup& setup)
+{
+  if (!fields->HasArray(RegionCentre))
+  {
+    return;
+  }
+  palpate::MeshRegion region;
+  Required(fields, RegionCentre, 3)->GetTuple(number, region.centre.data());
+  VisitRegion(region,
+    [&](const char* name, double& value)
+    { value = Required(fields, name, 1)->GetComponent(number, 0); });
+  if (region.tolerance >= 0)
+  {
+    setup.region = region;
+  }
+}
+
 std::string SceneHash(vtkDataSet* configurations)
 {
   auto* hash =
@@ -279,6 +297,7 @@ void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space
         value =
           static_cast<std::decay_t<decltype(value)>>(Required(fields, name, 1)->GetComponent(s, 0));
       });
+    ReadRegion(fields, s, toolSpace.setup);
     std::vector<vtkIdType> ids;
     for (vtkIdType i = 0; i < count; ++i)
     {

@@ -372,6 +372,29 @@ void AddContactFields(const TouchSpace& space, vtkFieldData* fields)
   }
 }
 
+/// Adds the regions, if a tool space has one.
+void AddRegions(const TouchSpace& space, vtkFieldData* fields)
+{
+  const auto hasRegion = [](const TouchToolSpace& of) { return of.setup.region.has_value(); };
+  if (std::none_of(space.tool_spaces.begin(), space.tool_spaces.end(), hasRegion))
+  {
+    return;
+  }
+  palpate::MeshRegion none;
+  none.tolerance = -1;
+  const auto count = static_cast<vtkIdType>(space.tool_spaces.size());
+  auto* centres = AddArray<vtkDoubleArray>(fields, RegionCentre, 3, count);
+  VisitRegion(
+    none, [&](const char* name, double) { AddArray<vtkDoubleArray>(fields, name, 1, count); });
+  for (vtkIdType s = 0; s < count; ++s)
+  {
+    const palpate::MeshRegion region = space.tool_spaces[s].setup.region.value_or(none);
+    centres->SetTypedTuple(s, region.centre.data());
+    VisitRegion(region,
+      [&](const char* name, double value) { fields->GetArray(name)->SetComponent(s, 0, value); });
+  }
+}
+
 void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
 {
   vtkNew<vtkStringArray> hash;
@@ -400,6 +423,7 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
       places->SetTypedTuple(i, setup.interaction.material_point.data());
     }
   }
+  AddRegions(space, fields);
   auto* numbers = AddArray<vtkIdTypeArray>(fields, "NumberOfConfigurations", 1, count);
   for (vtkIdType i = 0; i < count; ++i)
   {

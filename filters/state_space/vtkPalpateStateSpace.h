@@ -58,7 +58,10 @@
 //                     `CoarsestCell` (in steps of the grid), `Tolerance` (of the force, 0: uniform
 //                     grid), `ToleranceIsRelative` (1: a share of the largest force, 0: N),
 //                     `History` (0 flat, 1 automatic, 2 levels), `IntermediateStates` (to each
-//                     configuration), `ThirdDerivatives` (1: there are), `NumberOfConfigurations`
+//                     configuration), `ThirdDerivatives` (1: there are), `NumberOfConfigurations`;
+//                     of a space with regions, `RegionCentre` (m), `RegionBand` (m, 0: of an active
+//                     node), `RegionSize` (m), `RegionTolerance` (of the force, −1: the whole
+//                     organ)
 #pragma once
 
 #include <string>

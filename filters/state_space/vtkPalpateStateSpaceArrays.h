@@ -131,6 +131,17 @@ void VisitContact(ToolSpaceSetup&& setup, Visit&& visit)
   visit("Depth", setup.policy.depth);
 }
 
+/// The arrays of a space with regions, for each tool space: the numbers of palpate::MeshRegion. A
+/// tool space that is for the whole organ has a negative tolerance.
+constexpr const char* RegionCentre = "RegionCentre";
+template <class MeshRegion, class Visit>
+void VisitRegion(MeshRegion&& region, Visit&& visit)
+{
+  visit("RegionBand", region.band);
+  visit("RegionSize", region.size);
+  visit("RegionTolerance", region.tolerance);
+}
+
 /// The name of the array of offsets, which spaces of earlier versions do not have.
 constexpr const char* ContactOffset = "ContactOffset";
 /// The names of the field arrays of the tool's surface, if the tool is one.

@@ -343,9 +343,10 @@ struct vtkPalpateReplayTouch::Replay
     for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
     {
       const palpate::InteractionSpec& interaction = toolSpace.setup.interaction;
-      const vtkIdType node = interaction.presses() ? -1 : interaction.active_node;
-      this->Shapes[{ toolSpace.setup.body, node }] =
-        vtkPalpateToolSurface(interaction.shown_shape());
+      const auto key = interaction.presses()
+        ? std::pair<vtkIdType, vtkIdType>(palpate::kFirstBody, -1)
+        : std::pair<vtkIdType, vtkIdType>(toolSpace.setup.body, interaction.active_node);
+      this->Shapes[key] = vtkPalpateToolSurface(interaction.shown_shape());
     }
     this->Touch->SetInputDataObject(input);
     this->InputTime = input->GetMTime();

@@ -17,6 +17,8 @@
 #include "interpolation/interpolator.h"
 #include "interpolation/outcome_at.h"
 #include "interpolation/solution_branches.h"
+#include "interpolation/tool_force.h"
+#include "state_space/shown_surface.h"
 #include "storage/field_cache.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -63,7 +65,9 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node, palpate::B
       [&](const TouchToolSpace& of) { return of.setup.body == body; });
     const TouchToolSpace& first =
       found == space.tool_spaces.end() ? space.tool_spaces.front() : *found;
-    if (first.setup.presses() && first.setup.body != palpate::kFirstBody)
+    const std::vector<const TouchToolSpace*> pressing = space.list_pressing();
+    if (first.setup.presses() &&
+      std::find(pressing.begin(), pressing.end(), &first) == pressing.end())
     {
       throw palpate::InputError("What a rigid tool does is shown on the first body of a space, and "
                                 "not on body " +
@@ -139,27 +143,57 @@ Eigen::VectorXf BySurfaceModes(
   return u;
 }
 
-/// The parts that need more than the surface.
+/// The parts of a body that need more than the surface.
 struct WholeBodyOf
 {
-  WholeBodyOf(const TouchSpace& space, palpate::BodyId body, const palpate::FieldCache& fields)
-    : Body(fields.read_body(body))
+  /// @param toolSpace The tool space on this body whose tool presses; null: there is none.
+  WholeBodyOf(
+    const palpate::FieldCache& fields, palpate::BodyId body, const TouchToolSpace* toolSpace)
   {
-    this->Rest = vtkPalpateGridFromScene(*this->Body.scene, this->Body.at_rest);
-    const TouchToolSpace* pressing = space.find_pressing();
-    if (pressing && pressing->setup.body == body)
+    this->Bodies.push_back(fields.read_body(palpate::kFirstBody));
+    if (body != palpate::kFirstBody)
+    {
+      this->Bodies.push_back(fields.read_body(body));
+    }
+    if (toolSpace)
     {
       this->Contact.emplace(
-        palpate::make_contact(this->Body.scene->body, pressing->setup.interaction.tool));
-      this->ContactSpace = pressing->setup.key();
+        palpate::make_contact(this->Body().scene->body, toolSpace->setup.interaction.tool));
     }
   }
 
-  palpate::SpaceBody Body;
+  [[nodiscard]] const palpate::SpaceBody& Body() const { return this->Bodies.back(); }
+
+  /// Values at the points of this body as values at the points that are shown.
+  /// @param values [components x points]
+  template <class Values>
+  [[nodiscard]] Eigen::VectorXf OnShownSurface(
+    const Values& values, Eigen::Index components, const palpate::Surface& shown) const
+  {
+    const palpate::BodyId number = this->Body().number;
+    const palpate::Surface& own =
+      number == palpate::kFirstBody ? shown : this->Shown.surface_of(number);
+    Eigen::VectorXf ofSurface(components * static_cast<Eigen::Index>(own.num_points()));
+    for (Index p = 0; p < own.num_points(); ++p)
+    {
+      const Eigen::Index point = own.mesh_points[static_cast<std::size_t>(p)];
+      ofSurface.segment(components * p, components) =
+        values.segment(components * point, components).template cast<float>();
+    }
+    if (number == palpate::kFirstBody)
+    {
+      return ofSurface;
+    }
+    return this->Shown.carry(number, ofSurface, components);
+  }
+
+  /// The first body, and this one where it is another.
+  std::vector<palpate::SpaceBody> Bodies;
+  palpate::ShownSurface Shown{ this->Bodies };
+  /// It is made when it is first shown.
   vtkSmartPointer<vtkUnstructuredGrid> Rest;
-  /// The contact of the tool that presses, and its tool space.
+  /// The contact of the tool that presses.
   std::optional<palpate::RigidContact> Contact;
-  palpate::ToolSpaceKey ContactSpace;
   /// The assembly, which is made when stress is first asked for.
   std::optional<palpate::Assembly> Assembly;
   /// The displacement of every point from rest [3 x points], m, and the pressures of mixed cells,
@@ -170,12 +204,12 @@ struct WholeBodyOf
   /// The same from the mesh of the scene on, which may sag under a body force.
   [[nodiscard]] palpate::NodalVector DisplacementOfMesh() const
   {
-    const palpate::NodalVector& rest = this->Body.at_rest.u;
+    const palpate::NodalVector& rest = this->Body().at_rest.u;
     return rest.size() == 0 ? this->Displacement : this->Displacement + rest;
   }
   [[nodiscard]] palpate::NodalVector WholePressure() const
   {
-    const palpate::NodalVector& rest = this->Body.at_rest.p;
+    const palpate::NodalVector& rest = this->Body().at_rest.p;
     if (this->Pressure.size() == 0)
     {
       return rest;
@@ -185,6 +219,18 @@ struct WholeBodyOf
   }
 };
 }
+
+/// A tool space that has a weight where the tool is.
+struct vtkPalpateTouchStateSpace::Part
+{
+  const TouchToolSpace* Space = nullptr;
+  double Weight = 1;
+  /// The force by this tool space alone.
+  const palpate::Interpolator* Force = nullptr;
+  /// How the whole body is displaced; null: it was not asked for.
+  std::unique_ptr<palpate::BodyField>* Field = nullptr;
+  WholeBodyOf* Whole = nullptr;
+};
 
 struct vtkPalpateTouchStateSpace::Prepared
 {
@@ -199,15 +245,17 @@ struct vtkPalpateTouchStateSpace::Prepared
     std::unique_ptr<palpate::DisplayField> Field;
     std::unique_ptr<palpate::BodyField> BodyField;
   };
+  /// The force on the rigid tool, by the number of the method, and whether the error of the mesh is
+  /// corrected.
+  std::map<std::pair<int, bool>, std::unique_ptr<palpate::ToolForce>> RigidForces;
   std::map<palpate::ToolSpaceKey, palpate::SolutionBranches> BranchesOfSpace;
   std::map<std::pair<palpate::ToolSpaceKey, int>, Branch> Branches;
   /// The branch that was asked for: its tool space and its number.
   palpate::ToolSpaceKey Key;
   int OnBranch = 0;
-  /// The whole bodies and their fields, as long as they are asked for, and the one that is touched.
+  /// The whole bodies and their fields, as long as they are asked for.
   std::unique_ptr<palpate::FieldCache> Fields;
   std::map<palpate::BodyId, WholeBodyOf> WholeBodies;
-  WholeBodyOf* Whole = nullptr;
   /// The reason why there is no whole body, as it was reported.
   std::string Problem;
 
@@ -274,15 +322,64 @@ int vtkPalpateTouchStateSpace::FillOutputPortInformation(int port, vtkInformatio
   return 1;
 }
 
-void vtkPalpateTouchStateSpace::FindWholeBody(
-  const TouchToolSpace& toolSpace, const palpate::Interpolator& interpolator, const double t[3])
+std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindParts(
+  const TouchToolSpace& toolSpace, const double at[3], palpate::TouchResult& touch)
+{
+  const palpate::Vec3 t(at);
+  Prepared& cache = *this->Cache;
+  const auto method = static_cast<palpate::Method>(this->Interpolation);
+  const std::pair<int, bool> how(this->Interpolation, this->CorrectMeshError);
+  palpate::InterpolationOptions options;
+  options.correct_mesh_error = this->CorrectMeshError;
+  std::vector<Part> parts;
+  if (!toolSpace.setup.presses())
+  {
+    const palpate::Vec3 start(this->StartDisplacement);
+    Prepared::Branch& branch = cache.Find(toolSpace, start, this->StartBranch, t, this->Branch);
+    auto& interpolator = branch.Interpolators[how];
+    if (!interpolator)
+    {
+      // The stiffness at rest is that of the branch that rest is on.
+      const int of = method == palpate::Method::linear ? 0 : cache.OnBranch;
+      interpolator = palpate::make_interpolator(method, cache.SiteOnBranch(toolSpace, of), options);
+    }
+    touch = interpolator->evaluate(t);
+    parts.push_back({ &toolSpace, 1, interpolator.get(), &branch.BodyField, nullptr });
+    return parts;
+  }
+  const std::vector<const TouchToolSpace*> pressing = cache.Space.list_pressing();
+  auto& force = cache.RigidForces[how];
+  if (!force)
+  {
+    force = std::make_unique<palpate::ToolForce>(pressing, method, options);
+  }
+  touch = force->evaluate(t);
+  force->visit_weights(t,
+    [&](std::size_t number, double weight)
+    {
+      const TouchToolSpace* of = pressing[number];
+      parts.push_back({ of, weight, &force->part(number),
+        &cache.Branches[{ of->setup.key(), 0 }].BodyField, nullptr });
+    });
+  if (parts.empty())
+  {
+    // The place is not finite.
+    parts.push_back({ pressing.front(), 1, &force->part(0),
+      &cache.Branches[{ pressing.front()->setup.key(), 0 }].BodyField, nullptr });
+  }
+  std::sort(
+    parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.Weight > b.Weight; });
+  return parts;
+}
+
+void vtkPalpateTouchStateSpace::FindWholeBody(Part& part, const double t[3])
 {
   Prepared& cache = *this->Cache;
-  const palpate::BodyId body = toolSpace.setup.body;
-  if (this->Stress && body != palpate::kFirstBody)
+  const palpate::ToolSpaceSetup& setup = part.Space->setup;
+  if (this->Stress && setup.body != palpate::kFirstBody)
   {
     throw palpate::InputError("Stress is shown where the first body of a space is touched, and " +
-      toolSpace.setup.name() + " is on another one. Turn Stress off, or set BodyNumber to 1.");
+      setup.name() + " is on another one. Turn Stress off, or set BodyNumber to 1.");
   }
   if (!cache.Fields)
   {
@@ -294,18 +391,20 @@ void vtkPalpateTouchStateSpace::FindWholeBody(
     }
     cache.Fields = std::make_unique<palpate::FieldCache>(cache.Space.file, cache.Space.scene_hash);
   }
-  const auto known = cache.WholeBodies.find(body);
-  cache.Whole = known != cache.WholeBodies.end()
-    ? &known->second
-    : &cache.WholeBodies.try_emplace(body, cache.Space, body, *cache.Fields).first->second;
-  WholeBodyOf& whole = *cache.Whole;
-  auto& field = cache.Branches[{ cache.Key, cache.OnBranch }].BodyField;
+  auto known = cache.WholeBodies.find(setup.body);
+  if (known == cache.WholeBodies.end())
+  {
+    const TouchToolSpace* pressing = cache.Space.find({ palpate::kContactToolSpace, setup.body });
+    known = cache.WholeBodies.try_emplace(setup.body, *cache.Fields, setup.body, pressing).first;
+  }
+  part.Whole = &known->second;
+  WholeBodyOf& whole = *part.Whole;
+  auto& field = *part.Field;
   if (!field)
   {
-    const TouchToolSpace site = cache.SiteOnBranch(toolSpace, cache.OnBranch);
-    field = toolSpace.setup.presses()
-      ? std::make_unique<palpate::BodyField>(site, interpolator.grid())
-      : std::make_unique<palpate::BodyField>(site);
+    field = setup.presses()
+      ? std::make_unique<palpate::BodyField>(*part.Space, part.Force->grid())
+      : std::make_unique<palpate::BodyField>(cache.SiteOnBranch(*part.Space, cache.OnBranch));
   }
   const palpate::Keep needed = this->WholeBody ? palpate::Keep::all
     : this->Stress                             ? palpate::Keep::surface
@@ -313,37 +412,56 @@ void vtkPalpateTouchStateSpace::FindWholeBody(
   field->evaluate(palpate::Vec3(t), *cache.Fields, needed, whole.Displacement, whole.Pressure);
   if (whole.Displacement.size() == 0)
   {
-    whole.Displacement.setZero(3 * static_cast<Eigen::Index>(whole.Body.mesh().num_points()));
+    whole.Displacement.setZero(3 * static_cast<Eigen::Index>(whole.Body().mesh().num_points()));
   }
 }
 
-void vtkPalpateTouchStateSpace::AddWholeBody(const double t[3], const palpate::TouchResult& touch,
-  vtkPolyData* surface, vtkUnstructuredGrid* body)
+void vtkPalpateTouchStateSpace::AddContact(const std::vector<Part>& parts, const double t[3],
+  const palpate::TouchResult& touch, vtkPolyData* surface)
 {
-  Prepared& cache = *this->Cache;
-  WholeBodyOf& whole = *cache.Whole;
-  const palpate::NodalVector u = whole.DisplacementOfMesh();
-  const palpate::TetMesh& mesh = whole.Body.mesh();
-  if (whole.Contact && cache.Key == whole.ContactSpace)
+  const palpate::Surface& shown = this->Cache->Space.surface;
+  Eigen::VectorXf pressures = Eigen::VectorXf::Zero(static_cast<Eigen::Index>(shown.num_points()));
+  double area = 0;
+  double layerDepth = 0;
+  double meshError = 0;
+  for (const Part& part : parts)
   {
-    const palpate::RigidContact::Patch patch = whole.Contact->patch(palpate::Vec3(t), u);
-    vtkNew<vtkDoubleArray> pressure;
-    pressure->SetName(vtkPalpateArray::ContactPressure);
-    for (const Index point : cache.Space.surface.mesh_points)
-    {
-      pressure->InsertNextValue(patch.pressure[static_cast<std::size_t>(point)]);
-    }
-    surface->GetPointData()->AddArray(pressure);
-    AddVector(surface, "ContactArea", 1, &patch.area);
-    const double layerForce =
-      palpate::contact_layer_force(patch.layer_depth, touch.force, touch.stiffness);
-    AddVector(surface, "ContactLayerForce", 1, &layerForce);
-    const double meshError =
-      palpate::expected_mesh_error(mesh.order, patch.longest_edge, patch.area);
-    AddVector(surface, "ContactMeshError", 1, &meshError);
+    const palpate::RigidContact::Patch patch =
+      part.Whole->Contact->patch(palpate::Vec3(t), part.Whole->DisplacementOfMesh());
+    pressures += static_cast<float>(part.Weight) *
+      part.Whole->OnShownSurface(Eigen::Map<const Eigen::VectorXd>(patch.pressure.data(),
+                                   static_cast<Eigen::Index>(patch.pressure.size())),
+        1, shown);
+    area += part.Weight * patch.area;
+    layerDepth += part.Weight * patch.layer_depth;
+    meshError += part.Weight *
+      palpate::expected_mesh_error(part.Whole->Body().mesh().order, patch.longest_edge, patch.area);
   }
+  vtkNew<vtkDoubleArray> pressure;
+  pressure->SetName(vtkPalpateArray::ContactPressure);
+  for (const float value : pressures)
+  {
+    pressure->InsertNextValue(value);
+  }
+  surface->GetPointData()->AddArray(pressure);
+  AddVector(surface, "ContactArea", 1, &area);
+  const double layerForce = palpate::contact_layer_force(layerDepth, touch.force, touch.stiffness);
+  AddVector(surface, "ContactLayerForce", 1, &layerForce);
+  AddVector(surface, "ContactMeshError", 1, &meshError);
+}
+
+void vtkPalpateTouchStateSpace::AddWholeBody(
+  const Part& part, vtkPolyData* surface, vtkUnstructuredGrid* body)
+{
+  WholeBodyOf& whole = *part.Whole;
+  const palpate::NodalVector u = whole.DisplacementOfMesh();
+  const palpate::TetMesh& mesh = whole.Body().mesh();
   if (this->WholeBody)
   {
+    if (!whole.Rest)
+    {
+      whole.Rest = vtkPalpateGridFromScene(*whole.Body().scene, whole.Body().at_rest);
+    }
     body->ShallowCopy(whole.Rest);
     vtkNew<vtkPoints> points;
     points->SetDataTypeToDouble();
@@ -362,12 +480,12 @@ void vtkPalpateTouchStateSpace::AddWholeBody(const double t[3], const palpate::T
   {
     if (!whole.Assembly)
     {
-      whole.Assembly.emplace(*whole.Body.scene);
+      whole.Assembly.emplace(*whole.Body().scene);
     }
     const palpate::BodyStress stress =
       palpate::find_stress(*whole.Assembly, mesh, u, whole.WholePressure());
     vtkPalpateAddStress(
-      stress.at_points, surface->GetPointData(), &cache.Space.surface.mesh_points);
+      stress.at_points, surface->GetPointData(), &this->Cache->Space.surface.mesh_points);
     if (this->WholeBody)
     {
       vtkPalpateAddStress(stress.of_cells, body->GetCellData());
@@ -430,27 +548,14 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   const bool presses = toolSpace.setup.presses();
   const bool hasRigidTool = space.find_pressing() != nullptr;
   const palpate::Vec3 t(presses ? this->ToolPosition : this->Displacement);
-  const palpate::Vec3 start(presses ? this->ToolPosition : this->StartDisplacement);
-  Prepared::Branch& branch =
-    this->Cache->Find(toolSpace, start, this->StartBranch, t, this->Branch);
-  auto& interpolator = branch.Interpolators[{ this->Interpolation, this->CorrectMeshError }];
-  if (!interpolator)
-  {
-    const auto method = static_cast<palpate::Method>(this->Interpolation);
-    // The stiffness at rest is that of the branch that rest is on.
-    const int of = method == palpate::Method::linear ? 0 : this->Cache->OnBranch;
-    palpate::InterpolationOptions options;
-    options.correct_mesh_error = this->CorrectMeshError;
-    interpolator =
-      palpate::make_interpolator(method, this->Cache->SiteOnBranch(toolSpace, of), options);
-  }
-  const palpate::TouchResult touch = interpolator->evaluate(t);
+  palpate::TouchResult touch;
+  std::vector<Part> parts = this->FindParts(toolSpace, t.data(), touch);
+  const Part& leading = parts.front();
 
   const bool needsBody = presses || this->Stress || this->WholeBody;
   std::string problem;
   if (!needsBody)
   {
-    this->Cache->Whole = nullptr;
     this->Cache->WholeBodies.clear();
     this->Cache->Fields.reset();
   }
@@ -470,28 +575,36 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
       problem = error.what();
     }
   };
-  tryWith([&] { this->FindWholeBody(toolSpace, *interpolator, t.data()); });
+  tryWith(
+    [&]
+    {
+      for (Part& part : parts)
+      {
+        this->FindWholeBody(part, t.data());
+      }
+    });
 
   const palpate::Surface& surface = space.surface;
   Eigen::VectorXf u = Eigen::VectorXf::Zero(3 * static_cast<Eigen::Index>(surface.num_points()));
   if (!presses)
   {
-    if (!branch.Field)
+    auto& field = this->Cache->Branches[{ this->Cache->Key, this->Cache->OnBranch }].Field;
+    if (!field)
     {
-      branch.Field = std::make_unique<palpate::DisplayField>(
+      field = std::make_unique<palpate::DisplayField>(
         this->Cache->SiteOnBranch(toolSpace, this->Cache->OnBranch));
     }
     if (touch.support != palpate::Support::none)
     {
-      u = BySurfaceModes(toolSpace, *branch.Field, t);
+      u = BySurfaceModes(toolSpace, *field, t);
     }
   }
   else if (problem.empty())
   {
-    for (palpate::Index p = 0; p < surface.num_points(); ++p)
+    for (const Part& part : parts)
     {
-      const Index point = surface.mesh_points[static_cast<std::size_t>(p)];
-      u.segment<3>(3 * p) = this->Cache->Whole->Displacement.segment<3>(3 * point).cast<float>();
+      u += static_cast<float>(part.Weight) *
+        part.Whole->OnShownSurface(part.Whole->Displacement, 3, surface);
     }
   }
   vtkPalpateShowDisplaced(surface, this->Cache->Triangles, u, output);
@@ -501,7 +614,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   AddVector(output, "Energy", 1, &touch.energy);
   AddInteger(output, "Found", static_cast<int>(touch.support));
   AddInteger(output, "Outcome",
-    static_cast<int>(palpate::outcome_at(interpolator->grid(), toolSpace.configurations, t)));
+    static_cast<int>(palpate::outcome_at(leading.Force->grid(), leading.Space->configurations, t)));
   if (const palpate::TouchMeshError& error = touch.mesh_error;
       error.trust != palpate::MeshErrorTrust::none)
   {
@@ -533,7 +646,15 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
       output->GetPointData()->AddArray(pressure);
     }
   }
-  tryWith([&] { this->AddWholeBody(t.data(), touch, output, wholeBody); });
+  tryWith(
+    [&]
+    {
+      if (presses)
+      {
+        this->AddContact(parts, t.data(), touch, output);
+      }
+      this->AddWholeBody(leading, output, wholeBody);
+    });
   if (this->Display->IsGiven())
   {
     this->Display->Follow(output);

@@ -55,6 +55,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "PalpateTouchingModule.h"
 #include "vtkPolyDataAlgorithm.h"
@@ -64,7 +65,6 @@ class vtkUnstructuredGrid;
 
 namespace palpate
 {
-class Interpolator;
 struct TouchResult;
 struct TouchToolSpace;
 }
@@ -157,20 +157,23 @@ private:
   void operator=(const vtkPalpateTouchStateSpace&) = delete;
 
   struct Prepared;
+  struct Part;
 
   /// Fills the outputs, on the rank that has the space.
   /// @returns Whether all that was asked for is there. If the inside of the body cannot be found,
   ///   an error says why, and the surface is filled without it.
   bool Touch(vtkPolyData* output, vtkUnstructuredGrid* wholeBody);
-  /// The displacement of the whole body, on the rank that has the space.
-  /// @param interpolator The interpolator of the force at this place.
-  void FindWholeBody(const palpate::TouchToolSpace& toolSpace,
-    const palpate::Interpolator& interpolator, const double t[3]);
-  /// Adds what follows from the displacement of the whole body: contact, stress and the second
-  /// output.
+  /// The tool spaces that have a weight at t, the one with the most first, and the force by them.
+  std::vector<Part> FindParts(
+    const palpate::TouchToolSpace& toolSpace, const double t[3], palpate::TouchResult& touch);
+  /// Finds the displacement of the whole body of a part, on the rank that has the space.
+  void FindWholeBody(Part& part, const double t[3]);
+  /// Adds what a rigid tool does to the surface.
   /// @param touch The result of interpolation at t.
-  void AddWholeBody(const double t[3], const palpate::TouchResult& touch, vtkPolyData* surface,
-    vtkUnstructuredGrid* body);
+  void AddContact(const std::vector<Part>& parts, const double t[3],
+    const palpate::TouchResult& touch, vtkPolyData* surface);
+  /// Adds stress and the second output.
+  void AddWholeBody(const Part& part, vtkPolyData* surface, vtkUnstructuredGrid* body);
 
   vtkIdType ActiveNode = -1;
   vtkIdType BodyNumber = 1;

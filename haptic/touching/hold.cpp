@@ -14,17 +14,6 @@ namespace {
 constexpr int kMostSteps = 12;
 constexpr double kAnswered = 1e-6;
 
-/// A rank of the supports, the least certain first.
-int certainty(Support support) {
-  switch (support) {
-    case Support::none: return 0;
-    case Support::extrapolated: return 1;
-    case Support::marked: return 2;
-    case Support::inside: return 3;
-  }
-  return 0;
-}
-
 }  // namespace
 
 void Hold::take_over(const Touchable* body, bool is_same_scene) noexcept {
@@ -99,18 +88,10 @@ void Hold::follow(const Vec3& t) noexcept {
 }
 
 TouchResult Hold::evaluate(const Vec3& t) const noexcept {
-  TouchResult sum;
-  sum.support = Support::inside;
-  sum.mesh_error.trust = MeshErrorTrust::reliable;
-  sum.mesh_error.is_corrected = true;
+  TouchResult sum = TouchResult::empty_sum();
   for (int i = 0; i < num_held_; ++i) {
     const Held& held = held_[i];
-    const TouchResult one = body_->nodes()[held.node].on_branch[held.branch]->evaluate(t);
-    sum.force += held.weight * one.force;
-    sum.stiffness += held.weight * one.stiffness;
-    sum.energy += held.weight * one.energy;
-    if (certainty(one.support) < certainty(sum.support)) sum.support = one.support;
-    sum.mesh_error.add(held.weight, one.mesh_error);
+    sum.add(held.weight, body_->nodes()[held.node].on_branch[held.branch]->evaluate(t));
   }
   return sum;
 }

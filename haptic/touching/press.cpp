@@ -16,7 +16,7 @@ constexpr double kBegins = 0.25;
 
 }  // namespace
 
-TouchResult Press::answer(const Interpolator& force, double coupling) noexcept {
+TouchResult Press::answer(const ToolForce& force, double coupling) noexcept {
   if (coupling <= 0) {
     place_ = hand_;
     return force.evaluate(place_);
@@ -29,10 +29,11 @@ TouchResult Press::answer(const Interpolator& force, double coupling) noexcept {
   return at;
 }
 
-bool Press::is_free(const Interpolator& force) const noexcept {
+bool Press::is_free(const ToolForce& force) const noexcept {
   using Place = CheckPointGrid::Place;
-  const Interpolator::Location at = force.locate(place_);
-  return at.place == Place::free || (at.place == Place::cell && !force.grid().is_unknown(at.leaf));
+  const Interpolator& here = force.at(place_);
+  const Interpolator::Location at = here.locate(place_);
+  return at.place == Place::free || (at.place == Place::cell && !here.grid().is_unknown(at.leaf));
 }
 
 Contact Press::miss(Support support) noexcept {
@@ -44,17 +45,18 @@ Contact Press::miss(Support support) noexcept {
   return contact;
 }
 
-bool Press::is_known(const Interpolator& force, const Vec3& push) const noexcept {
-  const CheckPointGrid::Location at = force.locate(place_);
+bool Press::is_known(const ToolForce& force, const Vec3& push) const noexcept {
+  const Interpolator& here = force.at(place_);
+  const CheckPointGrid::Location at = here.locate(place_);
   if (at.place == CheckPointGrid::Place::cell) return true;
   if (at.place != CheckPointGrid::Place::beside_cell) return false;
   const double deeper = at.offset.dot(push);
   const double aside = (at.offset - deeper * push).norm();
-  return is_pressing_ ? aside <= std::max(deeper, 0.0) + kAside * force.cell_side(at)
-                      : at.offset.norm() <= kBegins * force.cell_side(at);
+  return is_pressing_ ? aside <= std::max(deeper, 0.0) + kAside * here.cell_side(at)
+                      : at.offset.norm() <= kBegins * here.cell_side(at);
 }
 
-Contact Press::move(const Interpolator& force, const Vec3& hand,
+Contact Press::move(const ToolForce& force, const Vec3& hand,
                     const TouchSettings& settings) noexcept {
   const double coupling = settings.coupling_stiffness;
   const Vec3 moved = is_pressing_ ? Vec3(hand - hand_) : Vec3::Zero();

@@ -19,7 +19,7 @@
 #include "haptic/touching/contact.h"
 #include "haptic/touching/friction.h"
 #include "haptic/touching/settings.h"
-#include "interpolation/interpolator.h"
+#include "interpolation/tool_force.h"
 
 namespace palpate {
 
@@ -35,15 +35,15 @@ class Press {
   ///   the space has no force for it. While the tool does not press, the caller has to fill in
   ///   distance and anchor.
   /// @note Realtime-safe.
-  [[nodiscard]] Contact move(const Interpolator& force, const Vec3& hand,
+  [[nodiscard]] Contact move(const ToolForce& force, const Vec3& hand,
                              const TouchSettings& settings) noexcept;
 
  private:
   /// Finds the tool's place from that of the hand, and gives the answer of the body there.
-  [[nodiscard]] TouchResult answer(const Interpolator& force, double coupling) noexcept;
+  [[nodiscard]] TouchResult answer(const ToolForce& force, double coupling) noexcept;
   /// Whether nothing touches the tool where it feels no force.
-  [[nodiscard]] bool is_free(const Interpolator& force) const noexcept;
-  [[nodiscard]] bool is_known(const Interpolator& force, const Vec3& push) const noexcept;
+  [[nodiscard]] bool is_free(const ToolForce& force) const noexcept;
+  [[nodiscard]] bool is_known(const ToolForce& force, const Vec3& push) const noexcept;
   /// What is felt where the tool may touch but the space has no force for it: none, until the tool
   /// was free. This is the one place that says what becomes of such a tool.
   [[nodiscard]] Contact miss(Support support) noexcept;

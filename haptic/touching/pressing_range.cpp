@@ -16,10 +16,6 @@ constexpr double kIn = 0.02;
 /// The step of depth_left(), in sides of the finest cells.
 constexpr double kStep = 0.25;
 
-bool is_in_cell(const Interpolator& force, const Vec3& place) {
-  return force.locate(place).place == CheckPointGrid::Place::cell;
-}
-
 }  // namespace
 
 Vec3 touching_place(const RigidTool& tool, const Vec3& place, const Vec3& normal) {
@@ -38,23 +34,22 @@ std::vector<Vec3> point_normals(const Surface& surface) {
 }
 
 std::vector<char> pressable_points(const Surface& surface, const RigidTool& tool,
-                                   const Interpolator& force) {
+                                   const ToolForce& force) {
   const std::vector<Vec3> normals = point_normals(surface);
   const double in = kIn * half_width(tool);
   std::vector<char> pressable(surface.points.size());
   for (std::size_t p = 0; p < pressable.size(); ++p) {
     const Vec3 place = touching_place(tool, surface.points[p], normals[p]) - in * normals[p];
-    pressable[p] = is_in_cell(force, place) ? 1 : 0;
+    pressable[p] = force.has_cell(place) ? 1 : 0;
   }
   return pressable;
 }
 
-double depth_left(const Interpolator& force, const Vec3& place, const Vec3& direction,
-                  double most) {
-  if (!is_in_cell(force, place)) return 0;
+double depth_left(const ToolForce& force, const Vec3& place, const Vec3& direction, double most) {
+  if (!force.has_cell(place)) return 0;
   const double step = kStep * force.spacing();
   double way = 0;
-  while (way < most && is_in_cell(force, place + (way + step) * direction)) way += step;
+  while (way < most && force.has_cell(place + (way + step) * direction)) way += step;
   return std::min(way, most);
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "haptic/touching/touchable.h"
-#include "interpolation/interpolator.h"
+#include "interpolation/tool_force.h"
 #include "state_space/surface.h"
 
 namespace palpate {
@@ -22,11 +22,11 @@ namespace palpate {
 /// a cell for the tool that is a little way into the body along the normal.
 /// @param force The force of the tool space.
 [[nodiscard]] std::vector<char> pressable_points(const Surface& surface, const RigidTool& tool,
-                                                 const Interpolator& force);
+                                                 const ToolForce& force);
 
 /// How far the tool can go on from a place in a direction before the space ends, at most `most`, m.
 /// @param direction The direction, of unit length.
-[[nodiscard]] double depth_left(const Interpolator& force, const Vec3& place, const Vec3& direction,
+[[nodiscard]] double depth_left(const ToolForce& force, const Vec3& place, const Vec3& direction,
                                 double most);
 
 /// How deep a rigid tool is in the body at rest, m: the depth of its deepest point, along the

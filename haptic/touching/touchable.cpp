@@ -29,8 +29,9 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
   nodes_.reserve(space.tool_spaces.size());
   for (const TouchToolSpace& tool_space : space.tool_spaces) {
     take_stiffness(tool_space.configurations);
-    take(tool_space, space, {});
+    if (!tool_space.setup.presses()) take_node(tool_space, space, {});
   }
+  take_rigid(space, {}, {});
 }
 
 Touchable::Touchable(const Touchable& before, const TouchSpace& space, const SpaceChunk& chunk)
@@ -39,7 +40,11 @@ Touchable::Touchable(const Touchable& before, const TouchSpace& space, const Spa
     take_stiffness(part.configurations);
     std::vector<CheckPoint> changed;
     for (const ConfigurationSummary& c : part.configurations) changed.push_back(c.check_point);
-    take(*space.find(part.setup.key()), space, changed);
+    if (part.setup.presses()) {
+      take_rigid(space, part.setup.key(), changed);
+    } else {
+      take_node(*space.find(part.setup.key()), space, changed);
+    }
   }
 }
 
@@ -52,17 +57,19 @@ void Touchable::take_stiffness(const std::vector<ConfigurationSummary>& configur
   }
 }
 
-void Touchable::take(const TouchToolSpace& tool_space, const TouchSpace& space,
-                     const std::vector<CheckPoint>& changed) {
-  if (tool_space.setup.presses()) {
-    if (&tool_space != space.find_pressing()) return;
-    const bool grows = force_on_tool_ != nullptr && body_of_tool_ == tool_space.setup.body;
-    force_on_tool_ = make_interpolator(options_.method, tool_space, options_.interpolation,
-                                       grows ? force_on_tool_.get() : nullptr, changed);
-    body_of_tool_ = tool_space.setup.body;
-    tool_half_width_ = tool_space.setup.interaction.touching_radius();
-    return;
-  }
+void Touchable::take_rigid(const TouchSpace& space, const ToolSpaceKey& grown,
+                           const std::vector<CheckPoint>& changed) {
+  const std::vector<const TouchToolSpace*> pressing = space.list_pressing();
+  if (pressing.empty()) return;
+  force_on_tool_ =
+      force_on_tool_ == nullptr
+          ? std::make_shared<const ToolForce>(pressing, options_.method, options_.interpolation)
+          : std::make_shared<const ToolForce>(*force_on_tool_, pressing, grown, changed);
+  tool_half_width_ = pressing.front()->setup.interaction.touching_radius();
+}
+
+void Touchable::take_node(const TouchToolSpace& tool_space, const TouchSpace& space,
+                          const std::vector<CheckPoint>& changed) {
   const Index mesh_point = tool_space.setup.interaction.active_node;
   const BodyId body = tool_space.setup.body;
   const Index surface_point = body == kFirstBody

@@ -10,6 +10,7 @@
 #include "fields/space_chunk.h"
 #include "interpolation/interpolator.h"
 #include "interpolation/solution_branches.h"
+#include "interpolation/tool_force.h"
 #include "mesh/surface_tree.h"
 #include "state_space/touch_space.h"
 
@@ -61,7 +62,7 @@ class Touchable {
   /// The largest eigenvalue of the stiffness of any usable configuration, N/m.
   [[nodiscard]] double largest_stiffness() const { return largest_stiffness_; }
   /// The force on a rigid tool by its place; nullptr: the space is of active nodes alone.
-  [[nodiscard]] const Interpolator* force_on_tool() const { return force_on_tool_.get(); }
+  [[nodiscard]] const ToolForce* force_on_tool() const { return force_on_tool_.get(); }
   /// Half of the rigid tool's width, m; 0: there is no rigid tool.
   [[nodiscard]] double tool_half_width() const { return tool_half_width_; }
   /// The largest radius of the tip of any active node, m.
@@ -71,11 +72,15 @@ class Touchable {
   [[nodiscard]] std::size_t bytes() const { return total_bytes(memory()); }
 
  private:
-  /// Makes the forces of a tool space, from those that are there if it has grown.
+  /// Makes the force on the rigid tool, from the one that is there if a tool space has grown.
+  /// @param grown The key of that tool space. @param changed Where it has grown.
+  void take_rigid(const TouchSpace& space, const ToolSpaceKey& grown,
+                  const std::vector<CheckPoint>& changed);
+  /// Makes the forces at an active node, from those that are there if its tool space has grown.
   /// @param space It has the tool space.
   /// @param changed Where it has grown.
-  void take(const TouchToolSpace& tool_space, const TouchSpace& space,
-            const std::vector<CheckPoint>& changed);
+  void take_node(const TouchToolSpace& tool_space, const TouchSpace& space,
+                 const std::vector<CheckPoint>& changed);
   /// The point of the shown surface that is nearest to a place.
   [[nodiscard]] Index nearest_shown(const Vec3& place) const;
   void take_stiffness(const std::vector<ConfigurationSummary>& configurations);
@@ -87,9 +92,7 @@ class Touchable {
   /// The nodes in the order of their bodies and mesh points.
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_;
-  std::shared_ptr<const Interpolator> force_on_tool_;
-  /// The body that the rigid tool presses.
-  BodyId body_of_tool_ = kFirstBody;
+  std::shared_ptr<const ToolForce> force_on_tool_;
   double tool_half_width_ = 0;
   double largest_stiffness_ = 0;
   double largest_tip_radius_ = 0;

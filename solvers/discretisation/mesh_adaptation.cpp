@@ -11,6 +11,7 @@
 #include "assembly/refined_scene.h"
 #include "base/error.h"
 #include "base/quantity.h"
+#include "interaction/mesh_error.h"
 
 namespace palpate {
 namespace {
@@ -25,7 +26,7 @@ constexpr double kShareForError = 1.15;
 /// cells of the one before is not worth its solves.
 constexpr double kLeastGrowth = 1.1;
 
-/// So many meshes without a known error end the adaptation.
+/// A touch without a known error on so many meshes, one after the other, is given up.
 constexpr int kMostUnknown = 3;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -46,12 +47,18 @@ double of_cell(const TouchOnMesh& touch, std::size_t cell) {
   return std::isfinite(energy) && energy > 0 ? energy : 0;
 }
 
-/// Whether a touch needs no finer mesh.
-bool is_within(const AdaptationRound& round, std::size_t touch, const AdaptationOptions& options) {
+/// The largest error of a force as a share of its estimate.
+double factor(const AdaptationOptions& options) {
+  return options.is_corrected ? kMostOfCorrected : kMostOfEstimate;
+}
+
+/// Whether the mesh is not refined for a touch any further.
+bool is_done(const AdaptationRound& round, std::size_t touch, const AdaptationOptions& options) {
+  if (round.is_given_up[touch] != 0) return true;
   // The first mesh has none before it.
   const bool has_changed = round.changes[touch] > options.tolerance;
   return round.is_known[touch] != 0 && !has_changed &&
-         kSafetyOfEstimate * round.errors[touch] <= options.tolerance;
+         factor(options) * round.errors[touch] <= options.tolerance;
 }
 
 /// Marks those cells that have most of the error of the touches beyond the tolerance.
@@ -63,13 +70,13 @@ std::vector<char> choose_cells(const std::vector<TouchOnMesh>& touches,
   std::vector<double> shares(static_cast<std::size_t>(round.num_cells), 0);
   double wanted = kLeastShare;
   for (std::size_t i = 0; i < touches.size(); ++i) {
-    if (is_within(round, i, options)) continue;
+    if (is_done(round, i, options)) continue;
     double sum = 0;
     for (std::size_t c = 0; c < shares.size(); ++c) sum += of_cell(touches[i], c);
     for (std::size_t c = 0; c < shares.size() && sum > 0; ++c) {
       shares[c] = std::max(shares[c], of_cell(touches[i], c) / sum);
     }
-    const double kept = options.tolerance / (kSafetyOfEstimate * round.errors[i]);
+    const double kept = options.tolerance / (factor(options) * round.errors[i]);
     const double needed = round.is_known[i] != 0 ? kShareForError * (1 - kept) : kLargestShare;
     wanted = std::clamp(needed, wanted, kLargestShare);
   }
@@ -89,11 +96,14 @@ std::vector<char> choose_cells(const std::vector<TouchOnMesh>& touches,
 }
 
 /// A finer mesh that has no more than the largest number of cells, or nothing.
+/// @param chosen Is set to the cells that were chosen for it.
 std::optional<Refinement> finer(const TetMesh& mesh, const std::vector<TouchOnMesh>& touches,
-                                const AdaptationRound& round, const AdaptationOptions& options) {
+                                const AdaptationRound& round, const AdaptationOptions& options,
+                                std::vector<char>& chosen) {
   const double least = kLeastGrowth * mesh.num_cells();
   for (double part = 1;; part /= 2) {
-    Refinement refinement = refine(mesh, choose_cells(touches, round, options, part));
+    chosen = choose_cells(touches, round, options, part);
+    Refinement refinement = refine(mesh, chosen);
     const Index num_cells = refinement.mesh.num_cells();
     if (num_cells <= options.max_cells && (part == 1 || num_cells >= least)) return refinement;
     if (num_cells < least) return std::nullopt;
@@ -123,7 +133,7 @@ AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
 bool says_nothing(const std::vector<TouchOnMesh>& touches, const AdaptationRound& round,
                   const AdaptationOptions& options) {
   for (std::size_t i = 0; i < touches.size(); ++i) {
-    if (is_within(round, i, options)) continue;
+    if (is_done(round, i, options)) continue;
     for (std::size_t c = 0; c < touches[i].energy_of_cells.size(); ++c) {
       if (of_cell(touches[i], c) > 0) return false;
     }
@@ -131,16 +141,17 @@ bool says_nothing(const std::vector<TouchOnMesh>& touches, const AdaptationRound
   return true;
 }
 
-/// Whether the error of some touch was not known on the last meshes.
-bool stays_unknown(const std::vector<AdaptationRound>& rounds) {
-  if (rounds.size() < kMostUnknown) return false;
-  for (std::size_t i = 0; i < rounds.back().is_known.size(); ++i) {
-    if (std::all_of(rounds.end() - kMostUnknown, rounds.end(),
-                    [&](const AdaptationRound& round) { return round.is_known[i] == 0; })) {
-      return true;
-    }
+/// Gives up the touches whose error was not known on the last meshes.
+void give_up(std::vector<AdaptationRound>& rounds) {
+  AdaptationRound& last = rounds.back();
+  last.is_given_up.assign(last.is_known.size(), 0);
+  if (rounds.size() < kMostUnknown) return;
+  for (std::size_t i = 0; i < last.is_known.size(); ++i) {
+    const bool stays_unknown =
+        std::all_of(rounds.end() - kMostUnknown, rounds.end(),
+                    [&](const AdaptationRound& round) { return round.is_known[i] == 0; });
+    if (stays_unknown) last.is_given_up[i] = 1;
   }
-  return false;
 }
 
 }  // namespace
@@ -158,23 +169,29 @@ AdaptedMesh adapt_mesh(Scene scene, const AdaptationOptions& options, const Touc
     }
     const Index num_cells = adapted.scene.body.mesh.num_cells();
     adapted.rounds.push_back(summary(touches, before, num_cells));
+    give_up(adapted.rounds);
     const AdaptationRound& round = adapted.rounds.back();
-    bool all_within = true;
+    bool all_done = true;
     for (std::size_t i = 0; i < touches.size(); ++i) {
-      all_within = all_within && is_within(round, i, options);
+      all_done = all_done && is_done(round, i, options);
     }
-    if (all_within) return adapted;
-    if (stays_unknown(adapted.rounds) || says_nothing(touches, round, options)) {
+    const bool all_known = std::all_of(round.is_given_up.begin(), round.is_given_up.end(),
+                                       [](char is_given_up) { return is_given_up == 0; });
+    if (all_done && all_known) return adapted;
+    if (all_done || says_nothing(touches, round, options)) {
       adapted.end = AdaptationEnd::not_known;
       return adapted;
     }
-    std::optional<Refinement> refinement = finer(adapted.scene.body.mesh, touches, round, options);
+    std::vector<char> chosen;
+    std::optional<Refinement> refinement =
+        finer(adapted.scene.body.mesh, touches, round, options, chosen);
     if (!refinement) {
       adapted.end = AdaptationEnd::too_many_cells;
       return adapted;
     }
     adapted.scene = refined(adapted.scene, *refinement);
     adapted.refinements.push_back(std::move(*refinement));
+    adapted.chosen.push_back(std::move(chosen));
     before = std::move(touches);
   }
 }

@@ -30,6 +30,9 @@ struct TouchOnMesh {
 struct AdaptationOptions {
   /// The largest error of the force of a touch, as a share of it, above 0.
   double tolerance = 0.05;
+  /// Whether the force will be corrected by its estimated error, so that the tolerance is for what
+  /// is left.
+  bool is_corrected = false;
   /// The mesh gets no more cells than this, at least 1.
   Index max_cells = 20000;
 };
@@ -43,6 +46,9 @@ struct AdaptationRound {
   std::vector<double> changes;
   /// TouchOnMesh::is_known of each touch.
   std::vector<char> is_known;
+  /// Whether a touch is given up, since its error was not known on several meshes, one after the
+  /// other.
+  std::vector<char> is_given_up;
 };
 
 enum class AdaptationEnd : int {
@@ -52,13 +58,15 @@ enum class AdaptationEnd : int {
   too_many_cells = 1,
   /// The caller wished to stop.
   stopped = 2,
-  /// The error of some touch was not known on several meshes, one after the other, or no touch that
-  /// needs a finer mesh says where.
+  /// The mesh is as fine as the other touches need it, but the error of some touch is not known, or
+  /// no touch that needs a finer mesh says where.
   not_known = 3,
 };
 
 struct AdaptedMesh {
   Scene scene;
+  /// The cells that were chosen on each mesh, see refine().
+  std::vector<std::vector<char>> chosen;
   /// From the mesh of the scene at the start to that of the scene above, one after the other.
   std::vector<Refinement> refinements;
   /// The last one tells of the mesh of the scene above.
@@ -66,14 +74,12 @@ struct AdaptedMesh {
   AdaptationEnd end = AdaptationEnd::reached;
 };
 
-/// By how much the true error may be larger than its estimate: meshes are refined until the
-/// estimate times this is within the tolerance. The change from the mesh before must be, too: it
-/// shows what the estimate does not see, such as the outline of a bonded patch.
-inline constexpr double kSafetyOfEstimate = 1.5;
-
 /// Solves for all touches on the mesh of a scene. Returns nothing to stop.
 using TouchMesh = std::function<std::vector<TouchOnMesh>(const Scene&)>;
 
+/// Refines until the largest error that an estimate allows (kMostOfEstimate, kMostOfCorrected) is
+/// within the tolerance. The change from the mesh before must be, too: it shows what the estimate
+/// does not see, such as the outline of a bonded patch.
 /// @param scene A scene that was checked.
 /// @throws InputError an option is not valid.
 [[nodiscard]] AdaptedMesh adapt_mesh(Scene scene, const AdaptationOptions& options,

@@ -23,8 +23,14 @@ constexpr double kShallower = 0.2;
 /// The distance of a check-point from where the exploration begins, m. It is measured between
 /// places on the surface, so that all check-points on one normal have the same distance, also those
 /// where the tool touches nothing.
-double distance(const ToolClearance::Approach& approach, const Vec3& begin_at) {
-  return (approach.touched - begin_at).norm();
+/// Each turn adds more than any such distance.
+double distance(const ToolClearance& clearance, const ToolClearance::Approach& approach,
+                const ShellOptions& options) {
+  const double distance = (approach.touched - options.begin_at).norm();
+  if (options.turn == 0) return distance;
+  const Eigen::AlignedBox3d box = clearance.body_bounds();
+  const double largest = (box.center() - options.begin_at).norm() + box.diagonal().norm();
+  return options.turn * largest + distance;
 }
 
 class Shell {
@@ -47,7 +53,7 @@ class Shell {
     for (const auto& [p, node] : nodes_) {
       if (!node.is_corner) continue;
       targets.push_back(
-          {p, starts(p, node), node.is_free, distance(node.approach, options_.begin_at)});
+          {p, starts(p, node), node.is_free, distance(clearance_, node.approach, options_)});
     }
     return targets;
   }
@@ -70,6 +76,7 @@ class Shell {
     const double side = count * side_;
     const double half_diagonal = 0.5 * std::sqrt(3.0) * side;
     const Vec3 centre = grid_.place(cell.first) + Vec3::Constant(0.5 * side);
+    if (options_.may_hold && !options_.may_hold(centre, half_diagonal)) return;
     if (clearance_.clearance(centre) > half_diagonal) return;
     // The depth changes by no more than the distance.
     if (is_too_deep(clearance_.approach(centre).depth - half_diagonal)) return;
@@ -194,25 +201,19 @@ Grid make_shell_grid(const ToolClearance& clearance, double spacing) {
 std::vector<StartGraph::Target> shell_targets(const ToolClearance& clearance, const Grid& grid,
                                               const std::vector<char>& touchable,
                                               const ShellOptions& options) {
-  std::vector<StartGraph::Target> targets = Shell(clearance, grid, touchable, options).targets();
-  if (targets.empty()) {
-    throw InputError(
-        "There is nothing to press: no touchable face of the surface is in the region. Choose "
-        "touchable points with Set Boundary, or another region.");
-  }
-  return targets;
+  return Shell(clearance, grid, touchable, options).targets();
 }
 
 std::vector<StartGraph::Target> refined_targets(
     const ToolClearance& clearance, const Grid& grid, const std::vector<Cell>& to_split,
-    const std::map<CheckPoint, ConfigurationSummary>& known, const Vec3& begin_at) {
+    const std::map<CheckPoint, ConfigurationSummary>& known, const ShellOptions& options) {
   const auto is_known = [&](const CheckPoint& p) { return known.count(p) > 0; };
   std::vector<StartGraph::Target> targets;
   for (const auto& [target, corners] : corners_of_new_points(to_split, is_known)) {
     StartGraph::Target& added = targets.emplace_back();
     added.check_point = target;
     const Vec3 place = grid.place(target);
-    added.distance = distance(clearance.approach(place), begin_at);
+    added.distance = distance(clearance, clearance.approach(place), options);
     if (clearance.clearance(place) > 0) {
       added.is_free = true;
       added.starts = {target};

@@ -29,6 +29,12 @@ struct ShellOptions {
   /// Where the exploration begins, m. It spreads from there over the surface, so that this place
   /// can be touched long before the space is complete.
   Vec3 begin_at = Vec3::Zero();
+  /// Of an organ of several regions: whether a tool within a distance of a place, m, may be in this
+  /// one. Empty: it may be anywhere.
+  std::function<bool(const Vec3& place, double distance)> may_hold;
+  /// The turn of this region. The check-points of a region are explored before those of the next
+  /// one, so that a rank solves for one body after the other.
+  int turn = 0;
 };
 
 /// The grid around a body that a rigid tool presses. Its coarsest cells may be halved as often as
@@ -39,7 +45,7 @@ struct ShellOptions {
 
 /// The corners of the coarsest cells of the shell.
 /// @param touchable One entry for each point of the mesh; other than 0: the point may be touched.
-/// @throws InputError there is no such cell.
+/// @returns Nothing if there is no such cell.
 [[nodiscard]] std::vector<StartGraph::Target> shell_targets(const ToolClearance& clearance,
                                                             const Grid& grid,
                                                             const std::vector<char>& touchable,
@@ -48,9 +54,8 @@ struct ShellOptions {
 /// The targets of a further round: the points of the halves of the cells that are to be split. They
 /// are reached from the corners of these cells, the nearest first.
 /// @param known All configurations so far, by check-point.
-/// @param begin_at See ShellOptions.
 [[nodiscard]] std::vector<StartGraph::Target> refined_targets(
     const ToolClearance& clearance, const Grid& grid, const std::vector<Cell>& to_split,
-    const std::map<CheckPoint, ConfigurationSummary>& known, const Vec3& begin_at);
+    const std::map<CheckPoint, ConfigurationSummary>& known, const ShellOptions& options);
 
 }  // namespace palpate

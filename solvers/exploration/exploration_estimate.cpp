@@ -55,6 +55,15 @@ double field_bytes(const PrecomputeOptions& options, const SolveCost& cost) {
 
 }  // namespace
 
+ExplorationEstimate followed_by(ExplorationEstimate first, const ExplorationEstimate& next) {
+  const Index num_unknowns = std::max(first.num_unknowns, next.num_unknowns);
+  const double bytes = std::max(first.bytes_per_rank, next.bytes_per_rank);
+  first = first + next;
+  first.num_unknowns = num_unknowns;
+  first.bytes_per_rank = bytes;
+  return first;
+}
+
 ExplorationEstimate estimate_exploration(const PrecomputeOptions& options,
                                          const std::vector<PlannedSpace>& spaces,
                                          const SolveCost& cost, int num_ranks) {
@@ -95,10 +104,7 @@ ExplorationEstimate estimate_exploration(const Scene& scene, const PrecomputeOpt
     bonded.contact.reset();
     const ExplorationEstimate nodes =
         estimate_exploration(bonded, plan_grids(body, bonded), cost, num_ranks);
-    all.num_configurations += nodes.num_configurations;
-    all.seconds += nodes.seconds;
-    all.file_bytes += nodes.file_bytes;
-    all.bytes_per_rank = std::max(all.bytes_per_rank, nodes.bytes_per_rank);
+    all = followed_by(all, nodes);
   }
   return all;
 }

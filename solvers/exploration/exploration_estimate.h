@@ -39,6 +39,10 @@ struct ExplorationEstimate {
   }
 };
 
+/// The estimate of both, one after the other, so that their solvers need not be in memory together.
+[[nodiscard]] ExplorationEstimate followed_by(ExplorationEstimate first,
+                                              const ExplorationEstimate& next);
+
 /// @param spaces The spaces that plan_spaces() has made for these options.
 [[nodiscard]] ExplorationEstimate estimate_exploration(const PrecomputeOptions& options,
                                                        const std::vector<PlannedSpace>& spaces,

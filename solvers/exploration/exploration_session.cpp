@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include "base/own_seconds.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/tangent_solver.h"
+#include "exploration/body_solvers.h"
 #include "exploration/chunk_record.h"
 #include "exploration/engine.h"
 #include "exploration/monitor.h"
@@ -19,6 +21,7 @@
 #include "exploration/settle.h"
 #include "exploration/shell_rounds.h"
 #include "interaction/interaction_spec.h"
+#include "interpolation/region_weights.h"
 #include "storage/state_space_file.h"
 
 namespace palpate {
@@ -42,6 +45,10 @@ EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& mon
   return result;
 }
 
+/// With regions, a rank explores one body after the other. The second solver is for tasks that it
+/// takes over from another rank.
+constexpr std::size_t kSolversWithRegions = 2;
+
 /// Takes the mail from a monitor when it goes out of scope.
 struct NoMailAfterwards {
   Monitor& monitor;
@@ -50,28 +57,18 @@ struct NoMailAfterwards {
 
 }  // namespace
 
-/// What solves for the states of one body.
-struct BodySolver {
-  std::unique_ptr<EquilibriumSolver> equilibria;
-  /// The name of its linear solver.
-  std::string name;
-  std::optional<InteractionFactory> tools;
-  std::optional<InteractionSolver> states;
-};
-
 struct ExplorationSession::Impl {
   Impl(const std::vector<BodyOfRun>& asked, const PrecomputeOptions& asked_options,
        Communicator& all, const Progress& progress, const MakeSolver& make_solver, TakeChunk take);
 
-  /// Makes the solver of each body, and finds its rest.
+  /// Makes the solvers of the bodies, and finds their rest.
   void take_bodies(const std::vector<BodyOfRun>& asked, const MakeSolver& make_solver);
   /// Plans the tool spaces of all bodies.
   void plan(const std::vector<BodyOfRun>& asked);
+  /// Where a rigid tool presses in a region, or on an organ that has none.
+  [[nodiscard]] ShellOptions shell_of(const std::optional<MeshRegion>& region) const;
   /// Opens the record, and begins to note chunks if they are asked for.
   void open_record();
-  [[nodiscard]] BodySolver& solver_of(BodyId body) {
-    return *solvers[static_cast<std::size_t>(body - kFirstBody)];
-  }
   PrecomputeResult result_of(TouchSpace space, SteadyClock::time_point begin);
   /// @note Collective
   void give_chunks();
@@ -84,10 +81,17 @@ struct ExplorationSession::Impl {
   Monitor monitor;
   TakeChunk take_chunk;
   PrecomputeReport report;
-  /// The bodies in the order of their numbers, and their solvers.
+  /// The bodies in the order of their numbers.
   std::vector<SpaceBody> bodies;
-  std::vector<std::unique_ptr<BodySolver>> solvers;
-  SolverOfBodies state_solver;
+  /// The number of unknowns of each body.
+  std::map<BodyId, Index> num_unknowns;
+  /// The name of the linear solver of each body.
+  std::map<BodyId, std::string> solver_names;
+  std::optional<BodySolvers> solvers;
+  /// Whether bodies are for regions or nodes of a divided organ.
+  bool is_divided = false;
+  /// The regions in which a rigid tool presses.
+  std::vector<MeshRegion> regions;
   std::vector<PlannedSpace> spaces;
   std::unique_ptr<Record> record;
   /// The record, if it gives chunks; else null.
@@ -113,12 +117,12 @@ ExplorationSession::Impl::Impl(const std::vector<BodyOfRun>& asked,
   take_bodies(asked, make_solver);
   plan(asked);
   open_record();
-  engine.emplace(spaces, state_solver, *record, communicator.network(), monitor, report);
+  engine.emplace(spaces, *solvers, *record, communicator.network(), monitor, report);
   if (options.contact && options.tolerance > 0) {
     for (PlannedSpace& space : spaces) {
       rounds.emplace_back(space,
-                          solver_of(space.setup.body).tools->clearance(space.setup.interaction),
-                          options.contact->shell.begin_at);
+                          solvers->tools(space.setup.body).clearance(space.setup.interaction),
+                          shell_of(space.setup.region));
     }
   }
   report.exploration_seconds = seconds_since(begin);
@@ -130,29 +134,53 @@ void ExplorationSession::Impl::take_bodies(const std::vector<BodyOfRun>& asked,
     SpaceBody& body = bodies.emplace_back();
     body.number = kFirstBody + static_cast<BodyId>(bodies.size()) - 1;
     body.scene = of_run.scene;
-    solvers.push_back(std::make_unique<BodySolver>());
+    is_divided = is_divided || of_run.region.has_value();
+    if (of_run.region && of_run.region->band > 0) regions.push_back(*of_run.region);
   }
+  const std::size_t most_kept = is_divided ? kSolversWithRegions : bodies.size();
+  const auto make = [this, make_solver](const SpaceBody& body) {
+    std::unique_ptr<LinearSolver> linear_solver = make_solver(*body.scene);
+    solver_names[body.number] =
+        linear_solver == nullptr ? kConjugateGradients : linear_solver->name();
+    auto solver = std::make_unique<EquilibriumSolver>(*body.scene, solver_options(options, monitor),
+                                                      std::move(linear_solver));
+    num_unknowns[body.number] = solver->assembly().pattern().size;
+    return solver;
+  };
+  solvers.emplace(bodies, make, options.estimate_mesh_error, most_kept);
   // Check everything that can be wrong before a file is touched.
   agree(communicator, [&] {
     with_memory("to prepare the solver of the body", [&] {
+      if (!regions.empty()) (void)RegionWeights(regions);
       for (SpaceBody& body : bodies) {
         require_one_organ(*bodies.front().scene, *body.scene);
-        BodySolver& solver = solver_of(body.number);
-        std::unique_ptr<LinearSolver> linear_solver = make_solver(*body.scene);
-        solver.name = linear_solver == nullptr ? kConjugateGradients : linear_solver->name();
-        solver.equilibria = std::make_unique<EquilibriumSolver>(
-            *body.scene, solver_options(options, monitor), std::move(linear_solver));
+        if (solver_names.size() < most_kept) (void)solvers->equilibria(body.number);
         body.hash = hash(*body.scene);
       }
     });
   });
   for (SpaceBody& body : bodies) {
-    BodySolver& solver = solver_of(body.number);
-    body.at_rest = settle(*body.scene, *solver.equilibria, options.file, communicator);
-    solver.tools.emplace(body.scene->body, body.at_rest);
-    solver.states.emplace(body, *solver.equilibria, *solver.tools, options.estimate_mesh_error);
-    state_solver.add(body.number, *solver.states);
+    if (!body.scene->has_load()) continue;
+    body.at_rest =
+        settle(*body.scene, solvers->equilibria(body.number), options.file, communicator);
   }
+}
+
+ShellOptions ExplorationSession::Impl::shell_of(const std::optional<MeshRegion>& region) const {
+  ShellOptions shell = options.contact->shell;
+  if (!region) return shell;
+  const auto own = std::find(regions.begin(), regions.end(), *region) - regions.begin();
+  shell.may_hold = [weights = RegionWeights(regions), own = static_cast<int>(own)](
+                       const Vec3& place, double reach) {
+    return weights.may_reach(own, place, reach);
+  };
+  // The regions follow each other in the order of their distances from where the exploration
+  // begins.
+  const double distance = (region->centre - shell.begin_at).norm();
+  for (const MeshRegion& other : regions) {
+    if ((other.centre - shell.begin_at).norm() < distance) ++shell.turn;
+  }
+  return shell;
 }
 
 void ExplorationSession::Impl::plan(const std::vector<BodyOfRun>& asked) {
@@ -167,23 +195,33 @@ void ExplorationSession::Impl::plan(const std::vector<BodyOfRun>& asked) {
       });
       std::optional<ExplorationEstimate> estimate;
       for (const SpaceBody& body : bodies) {
-        BodySolver& solver = solver_of(body.number);
+        const BodyOfRun& of_run = asked[static_cast<std::size_t>(body.number - kFirstBody)];
         PrecomputeOptions of_body = options;
-        of_body.active_nodes =
-            asked[static_cast<std::size_t>(body.number - kFirstBody)].active_nodes;
+        of_body.active_nodes = of_run.active_nodes;
         // Where some bodies have active nodes, the others have none.
         if (!options.contact && names_nodes && of_body.active_nodes.empty()) continue;
-        std::vector<PlannedSpace> planned = plan_spaces(body, of_body, *solver.tools);
-        if (communicator.rank() == 0 && options.expects) {
-          const SolveCost cost =
-              measure_solve_cost(*body.scene, solver.name, options.equilibrium.threads);
+        // Where some bodies have regions, nothing presses the others.
+        if (options.contact && !regions.empty()) {
+          if (!of_run.region || of_run.region->band == 0) continue;
+          of_body.contact->shell = shell_of(of_run.region);
+        }
+        std::vector<PlannedSpace> planned =
+            plan_spaces(body, of_body, solvers->tools(body.number), of_run.region);
+        if (communicator.rank() == 0 && options.expects && !planned.empty()) {
+          const SolveCost cost = measure_solve_cost(*body.scene, solver_names[body.number],
+                                                    options.equilibrium.threads);
           const ExplorationEstimate of_planned =
               estimate_exploration(of_body, planned, cost, communicator.size());
-          estimate = estimate ? *estimate + of_planned : of_planned;
+          if (!estimate) {
+            estimate = of_planned;
+          } else {
+            estimate = is_divided ? followed_by(*estimate, of_planned) : *estimate + of_planned;
+          }
         }
         spaces.insert(spaces.end(), std::make_move_iterator(planned.begin()),
                       std::make_move_iterator(planned.end()));
       }
+      if (spaces.empty()) throw_nothing_to_press();
       require_few_enough(options, spaces);
       if (estimate) options.expects(*estimate);
     });
@@ -201,7 +239,7 @@ void ExplorationSession::Impl::open_record() {
   if (!take_chunk) return;
   auto chunked = std::make_unique<ChunkRecord>(
       std::move(record), bodies,
-      [this](BodyId body) -> InteractionFactory& { return *solver_of(body).tools; }, setups,
+      [this](BodyId body) -> InteractionFactory& { return solvers->tools(body); }, setups,
       options.touch_bound, communicator);
   chunks = chunked.get();
   record = std::move(chunked);
@@ -212,15 +250,17 @@ PrecomputeResult ExplorationSession::Impl::result_of(TouchSpace space,
   report.finishing_seconds += seconds_since(begin);
   report.num_unknowns = 0;
   report.num_cells = 0;
-  report.work = {};
+  report.work = solvers->work();
+  for (const auto& [body, count] : num_unknowns) {
+    report.num_unknowns =
+        is_divided ? std::max(report.num_unknowns, count) : report.num_unknowns + count;
+  }
   for (const SpaceBody& body : bodies) {
-    const BodySolver& solver = solver_of(body.number);
-    report.num_unknowns += solver.equilibria->assembly().pattern().size;
-    report.num_cells += body.mesh().num_cells();
-    report.work += solver.equilibria->work();
+    const Index count = body.mesh().num_cells();
+    report.num_cells = is_divided ? std::max(report.num_cells, count) : report.num_cells + count;
   }
   const ToolSpaceSetup& first = spaces.front().setup;
-  const auto held = solver_of(first.body).tools->make(first.interaction)->prescribed_points();
+  const auto held = solvers->tools(first.body).make(first.interaction)->prescribed_points();
   report.num_unknowns -= 3 * static_cast<Index>(held.size());
   std::vector<SpaceBody> all = bodies;
   if (!space.file.empty() && communicator.rank() == 0) {

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,10 @@ struct BodyOfRun {
   /// rigid tool, every touchable point of each of them. PrecomputeOptions::active_nodes, which are
   /// those of a run of one body, are ignored here.
   std::vector<Index> active_nodes;
+  /// What the body is for, of an organ that is divided into regions: where a rigid tool presses it,
+  /// or the active node that is named. If some bodies of a run have a region with a band, a rigid
+  /// tool presses only these, and all bands are as wide.
+  std::optional<MeshRegion> region = {};
 };
 
 struct PrecomputeResult {
@@ -51,7 +56,8 @@ class ExplorationSession {
 
   /// Opens the record, and plans the tool spaces. Call begin_exploration() instead, which checks
   /// the options.
-  /// @param bodies At least one; a tool presses all of them. If there is a file that has some of
+  /// @param bodies At least one; a tool presses all of them, or their regions. If there is a file
+  /// that has some of
   ///   them already, they are in the order of the file.
   /// @param communicator The ranks that lead a solve. It must outlive the session.
   /// @param make_solver Makes the solver of a body on this rank; null: a solver without

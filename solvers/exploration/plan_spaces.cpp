@@ -59,7 +59,8 @@ double usual_spacing(const ToolClearance& clearance, double width) {
 
 }  // namespace
 
-std::vector<PlannedSpace> plan_grids(const SpaceBody& of, const PrecomputeOptions& options) {
+std::vector<PlannedSpace> plan_grids(const SpaceBody& of, const PrecomputeOptions& options,
+                                     const std::optional<MeshRegion>& region) {
   const Body& body = of.scene->body;
   std::vector<Index> nodes = options.active_nodes;
   if (nodes.empty()) {
@@ -87,14 +88,22 @@ std::vector<PlannedSpace> plan_grids(const SpaceBody& of, const PrecomputeOption
     setup.grid.half_width = options.half_width;
     setup.grid.resolution = options.resolution;
     setup.policy = policy_of(options);
+    setup.region = region;
     if (options.tolerance > 0) refine(options, setup);
     spaces.push_back({setup, make_grid_plan(setup)});
   }
   return spaces;
 }
 
+void throw_nothing_to_press() {
+  throw InputError(
+      "There is nothing to press: no touchable face of the surface is in the region. Choose "
+      "touchable points with Set Boundary, or another region.");
+}
+
 std::vector<PlannedSpace> plan_shell(const SpaceBody& of, const PrecomputeOptions& options,
-                                     InteractionFactory& tools) {
+                                     InteractionFactory& tools,
+                                     const std::optional<MeshRegion>& region) {
   const Body& body = of.scene->body;
   PieceSupport(body.mesh, holding_points(body)).require_held({});
   const ContactOptions& contact = *options.contact;
@@ -129,14 +138,19 @@ std::vector<PlannedSpace> plan_shell(const SpaceBody& of, const PrecomputeOption
   setup.policy.tolerance = options.tolerance;
   setup.policy.tolerance_is_relative = options.tolerance_is_relative;
   setup.policy.depth = contact.shell.depth;
-  auto graph = std::make_shared<const StartGraph>(
-      setup.key(), shell_targets(*clearance, setup.grid, body.touchable, contact.shell));
-  return {{setup, std::move(graph)}};
+  setup.region = region;
+  std::vector<StartGraph::Target> targets =
+      shell_targets(*clearance, setup.grid, body.touchable, contact.shell);
+  if (targets.empty() && region) return {};
+  if (targets.empty()) throw_nothing_to_press();
+  return {{setup, std::make_shared<const StartGraph>(setup.key(), std::move(targets))}};
 }
 
 std::vector<PlannedSpace> plan_spaces(const SpaceBody& body, const PrecomputeOptions& options,
-                                      InteractionFactory& tools) {
-  return options.contact ? plan_shell(body, options, tools) : plan_grids(body, options);
+                                      InteractionFactory& tools,
+                                      const std::optional<MeshRegion>& region) {
+  return options.contact ? plan_shell(body, options, tools, region)
+                         : plan_grids(body, options, region);
 }
 
 RigidTool with_earlier_layer(RigidTool tool, const Scene& scene) {

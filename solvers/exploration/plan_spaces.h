@@ -3,6 +3,7 @@
 // exploration.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "exploration/exploration_plan.h"
@@ -13,21 +14,30 @@
 namespace palpate {
 
 /// The space of the rigid tool on a body if there is one, else those of the active nodes.
+/// @param region The region that the body is for; nothing: the whole organ.
 /// @throws InputError as plan_shell() and plan_grids() do.
 [[nodiscard]] std::vector<PlannedSpace> plan_spaces(const SpaceBody& body,
                                                     const PrecomputeOptions& options,
-                                                    InteractionFactory& tools);
+                                                    InteractionFactory& tools,
+                                                    const std::optional<MeshRegion>& region = {});
 
 /// A space for each active node.
+/// @param region That of the node whose mesh the body is; nothing: the body is for any node.
 /// @throws InputError the tool cannot be placed at a node.
 [[nodiscard]] std::vector<PlannedSpace> plan_grids(const SpaceBody& body,
-                                                   const PrecomputeOptions& options);
+                                                   const PrecomputeOptions& options,
+                                                   const std::optional<MeshRegion>& region = {});
 
 /// The space of the rigid tool. Its plan is a StartGraph.
-/// @throws InputError the tool has no valid shape, or there is nothing to press.
+/// @param region The region that the body is for; nothing: the whole organ.
+/// @returns Nothing if there is nothing to press in the region.
+/// @throws InputError the tool has no valid shape, or there is nothing to press on the whole organ.
 [[nodiscard]] std::vector<PlannedSpace> plan_shell(const SpaceBody& body,
                                                    const PrecomputeOptions& options,
-                                                   InteractionFactory& tools);
+                                                   InteractionFactory& tools,
+                                                   const std::optional<MeshRegion>& region = {});
+
+[[noreturn]] void throw_nothing_to_press();
 
 /// Whether the file has a rigid tool with the contact layer that earlier versions of this program
 /// chose by default. Such a run is resumed with that layer, since another layer would make it

@@ -134,7 +134,7 @@ void check_nodes(const std::vector<BodyOfRun>& bodies, const PrecomputeOptions& 
     if (body.active_nodes.empty()) continue;
     PrecomputeOptions of_body = options;
     of_body.active_nodes = body.active_nodes;
-    (void)plan_grids({kFirstBody, body.scene, {}, {}}, of_body);
+    (void)plan_grids({kFirstBody, body.scene, {}, {}}, of_body, body.region);
   }
 }
 

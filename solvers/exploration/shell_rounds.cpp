@@ -18,8 +18,8 @@ constexpr double kHalvingShrinks = 1.0 / 3;
 }  // namespace
 
 ShellRounds::ShellRounds(PlannedSpace& space, std::shared_ptr<const ToolClearance> clearance,
-                         const Vec3& begin_at)
-    : space_(space), clearance_(std::move(clearance)), begin_at_(begin_at) {
+                         const ShellOptions& options)
+    : space_(space), clearance_(std::move(clearance)), options_(options) {
   take(static_cast<const StartGraph&>(*space.plan));
 }
 
@@ -39,13 +39,13 @@ bool ShellRounds::plan(Engine& engine, Communicator& communicator, PrecomputeRep
     const double tolerance = force_tolerance(setup.policy, found);
     if (!(tolerance > 0)) return;
     const Clearance clearance = [&](const Vec3& q) { return clearance_->clearance(q); };
-    const Refinement refinement =
+    const CellRefinement refinement =
         plan_refinement(setup.grid, found, tolerance, 1, clearance,
                         [&](const CellEstimate& estimate) { return is_in_vain(estimate); });
     for (const CellEstimate& e : refinement.estimates) errors_[e.cell] = e.error;
     auto graph = std::make_shared<const StartGraph>(
         setup.key(),
-        refined_targets(*clearance_, setup.grid, refinement.to_split, known, begin_at_));
+        refined_targets(*clearance_, setup.grid, refinement.to_split, known, options_));
     if (graph->targets().empty()) return;
     take(*graph);
     space_.plan = std::move(graph);

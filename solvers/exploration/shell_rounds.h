@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 
+#include "exploration/contact_shell.h"
 #include "exploration/engine.h"
 #include "exploration/start_graph.h"
 #include "interaction/tool_clearance.h"
@@ -19,7 +20,7 @@ class ShellRounds {
   /// @param space Its plan is a StartGraph, and is replaced by that of each further round. It must
   ///   outlive the object.
   ShellRounds(PlannedSpace& space, std::shared_ptr<const ToolClearance> clearance,
-              const Vec3& begin_at);
+              const ShellOptions& options);
 
   /// Plans the next round, after a complete one.
   /// @returns false: no further round is needed.
@@ -35,7 +36,7 @@ class ShellRounds {
 
   PlannedSpace& space_;
   std::shared_ptr<const ToolClearance> clearance_;
-  Vec3 begin_at_;
+  ShellOptions options_;
   /// The check-points that the rounds so far have asked for.
   std::set<CheckPoint> asked_;
   std::map<CheckPoint, ConfigurationSummary> known_;

@@ -115,36 +115,4 @@ class InteractionSolver final : public StateSolver {
   std::optional<double> mesh_error_at_rest_;
 };
 
-/// Has the solver of each body solve for the tool spaces that stand on it.
-class SolverOfBodies final : public StateSolver {
- public:
-  /// Gives a body its solver, which must outlive this object.
-  void add(BodyId body, StateSolver& solver) { solvers_[body] = &solver; }
-
-  [[nodiscard]] Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
-                                  Tangent tangent) override {
-    return solver_of(setup).begin(setup, t, tangent);
-  }
-  [[nodiscard]] Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
-                                  const Equilibrium& start, Tangent tangent) override {
-    return solver_of(setup).solve(setup, t, start, tangent);
-  }
-  [[nodiscard]] Equilibrium restore(const ToolSpaceSetup& setup, const Equilibrium& near,
-                                    Keep kept) override {
-    return solver_of(setup).restore(setup, near, kept);
-  }
-  [[nodiscard]] MeshError mesh_error(const ToolSpaceSetup& setup,
-                                     const Equilibrium& state) override {
-    return solver_of(setup).mesh_error(setup, state);
-  }
-  void forget(const ToolSpaceSetup& setup, const Equilibrium& state) override {
-    solver_of(setup).forget(setup, state);
-  }
-
- private:
-  StateSolver& solver_of(const ToolSpaceSetup& setup) { return *solvers_.at(setup.body); }
-
-  std::map<BodyId, StateSolver*> solvers_;
-};
-
 }  // namespace palpate

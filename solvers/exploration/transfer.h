@@ -143,6 +143,17 @@ void for_each_part(ToolSpaceSetup& setup, Visit&& visit) {
   visit(setup.grid);
   visit(setup.policy);
   visit(setup.body);
+  bool has_region = setup.region.has_value();
+  visit(has_region);
+  if (!has_region) {
+    setup.region.reset();
+    return;
+  }
+  if (!setup.region) setup.region.emplace();
+  visit(setup.region->centre);
+  visit(setup.region->band);
+  visit(setup.region->size);
+  visit(setup.region->tolerance);
 }
 template <class Visit>
 void for_each_part(TestPoint& point, Visit&& visit) {

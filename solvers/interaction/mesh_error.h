@@ -23,4 +23,10 @@ namespace palpate {
 /// @param area The area of the contact, m².
 [[nodiscard]] double expected_mesh_error(ElementOrder order, double longest_edge, double area);
 
+/// The estimate of mesh_error_estimate.h is 0.67 to 1.5 times the true error of a force. So this is
+/// the largest true error, as a share of the estimate, and the largest one that is left once the
+/// estimate is taken off the force.
+inline constexpr double kMostOfEstimate = 1.5;
+inline constexpr double kMostOfCorrected = 0.5;
+
 }  // namespace palpate

@@ -32,6 +32,12 @@ enum class Support : int {
   marked = 3,
 };
 
+/// The less certain one of two supports.
+[[nodiscard]] constexpr Support less_certain(Support a, Support b) noexcept {
+  constexpr int kCertainty[] = {0, 3, 1, 2};
+  return kCertainty[static_cast<int>(b)] < kCertainty[static_cast<int>(a)] ? b : a;
+}
+
 /// A corner with any of these flags marks its leaves.
 inline constexpr Flags kMarking = flags::inverted | flags::unstable | flags::near_fold;
 

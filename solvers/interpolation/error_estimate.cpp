@@ -263,10 +263,10 @@ std::vector<double> estimate_errors_around(const Grid& grid,
   return errors;
 }
 
-Refinement plan_refinement(const Grid& grid,
-                           const std::vector<ConfigurationSummary>& configurations,
-                           double tolerance, std::int32_t smallest, const Clearance& clearance,
-                           const std::function<bool(const CellEstimate&)>& is_left) {
+CellRefinement plan_refinement(const Grid& grid,
+                               const std::vector<ConfigurationSummary>& configurations,
+                               double tolerance, std::int32_t smallest, const Clearance& clearance,
+                               const std::function<bool(const CellEstimate&)>& is_left) {
   if (!(tolerance > 0)) {
     throw InputError("The tolerance of the force is " + quantity(tolerance, "N") +
                      "; it takes a positive one.");
@@ -275,7 +275,7 @@ Refinement plan_refinement(const Grid& grid,
   const CellTree& tree = estimator.grid().tree();
   const auto num_leaves = static_cast<std::int32_t>(tree.leaves().size());
   std::vector<char> is_split(tree.leaves().size(), 0);
-  Refinement refinement{estimator.estimates(), {}};
+  CellRefinement refinement{estimator.estimates(), {}};
   for (std::int32_t leaf = 0; leaf < num_leaves; ++leaf) {
     const CellEstimate& estimate = refinement.estimates[leaf];
     is_split[leaf] = estimate.error > tolerance && !(is_left && is_left(estimate)) &&

@@ -77,7 +77,7 @@ inline constexpr std::int32_t kMarkedCorner = 4;
 inline constexpr std::int32_t kMarkedEdge = 8;
 
 /// The next refinement that is needed to reach a tolerance.
-struct Refinement {
+struct CellRefinement {
   /// The estimates of all leaves, in the order of their cells.
   std::vector<CellEstimate> estimates;
   /// The leaves to be split now, in their order; none: the tolerance is reached.
@@ -97,7 +97,7 @@ struct Refinement {
 /// @param is_left Whether a leaf is not split because of its error, however large that is; empty:
 ///   this holds for no leaf. The leaf may still be split for the sake of its neighbours.
 /// @throws InputError as CheckPointGrid, or the tolerance is not positive.
-[[nodiscard]] Refinement plan_refinement(
+[[nodiscard]] CellRefinement plan_refinement(
     const Grid& grid, const std::vector<ConfigurationSummary>& configurations, double tolerance,
     std::int32_t smallest = 1, const Clearance& clearance = {},
     const std::function<bool(const CellEstimate&)>& is_left = {});

@@ -38,6 +38,7 @@
 #include <string>
 #include <vector>
 
+#include "interaction/mesh_error.h"
 #include "interpolation/check_point_grid.h"
 
 namespace palpate {
@@ -102,7 +103,7 @@ struct TouchMeshError {
   void take(const Vec3& estimate, bool corrected) noexcept {
     force = estimate;
     is_corrected = corrected;
-    bound = (corrected ? 0.5 : 1.5) * estimate.norm();
+    bound = (corrected ? kMostOfCorrected : kMostOfEstimate) * estimate.norm();
   }
   /// Adds the error of a force that has this weight.
   void add(double weight, const TouchMeshError& other) noexcept {
@@ -122,6 +123,23 @@ struct TouchResult {
   double energy = 0;
   Support support = Support::none;
   TouchMeshError mesh_error;
+
+  /// The beginning of a sum, to which add() adds.
+  [[nodiscard]] static TouchResult empty_sum() noexcept {
+    TouchResult sum;
+    sum.support = Support::inside;
+    sum.mesh_error.trust = MeshErrorTrust::reliable;
+    sum.mesh_error.is_corrected = true;
+    return sum;
+  }
+  /// Adds a result that has this weight. The sum is as certain as the least certain of its parts.
+  void add(double weight, const TouchResult& other) noexcept {
+    force += weight * other.force;
+    stiffness += weight * other.stiffness;
+    energy += weight * other.energy;
+    support = less_certain(support, other.support);
+    mesh_error.add(weight, other.mesh_error);
+  }
 };
 
 /// Immutable. It copies all that it needs, so that the tool space need not outlive it.

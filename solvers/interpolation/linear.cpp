@@ -13,7 +13,7 @@ Linear::Linear(const TouchToolSpace& tool_space) : Interpolator(tool_space) {
                      "Choose another interpolation.");
   }
   stiffness_ = tool_space.configurations[grid().configuration(rest)].stiffness;
-  set_linear_from_rest({Vec3::Zero(), stiffness_, 0, Support::extrapolated});
+  set_linear_from_rest({Vec3::Zero(), stiffness_, 0, Support::extrapolated, {}});
   set_num_samples(1);
 }
 

@@ -37,16 +37,18 @@ const std::vector<ShownSurface::Carrier>& ShownSurface::carriers_of(BodyId body)
   return carriers_.emplace(body, std::move(carriers)).first->second;
 }
 
-Eigen::MatrixXf ShownSurface::carry(BodyId body, const Eigen::MatrixXf& of_body) const {
+Eigen::MatrixXf ShownSurface::carry(BodyId body, const Eigen::MatrixXf& of_body,
+                                    Eigen::Index components) const {
   const Eigen::Index num_shown = surface().num_points();
-  if (body == kFirstBody) return of_body.topRows(3 * num_shown);
+  if (body == kFirstBody) return of_body.topRows(components * num_shown);
   const std::vector<Carrier>& carriers = carriers_of(body);
-  Eigen::MatrixXf shown = Eigen::MatrixXf::Zero(3 * num_shown, of_body.cols());
+  Eigen::MatrixXf shown = Eigen::MatrixXf::Zero(components * num_shown, of_body.cols());
   for (Eigen::Index p = 0; p < num_shown; ++p) {
     const Carrier& carrier = carriers[static_cast<std::size_t>(p)];
     for (int a = 0; a < 3; ++a) {
-      shown.middleRows<3>(3 * p) += static_cast<float>(carrier.weights[a]) *
-                                    of_body.middleRows<3>(3 * Eigen::Index{carrier.points[a]});
+      shown.middleRows(components * p, components) +=
+          static_cast<float>(carrier.weights[a]) *
+          of_body.middleRows(components * Eigen::Index{carrier.points[a]}, components);
     }
   }
   return shown;

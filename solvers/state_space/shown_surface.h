@@ -25,10 +25,12 @@ class ShownSurface {
   /// The surface of a body at rest. It is made when it is first asked for.
   [[nodiscard]] const Surface& surface_of(BodyId body) const;
 
-  /// Displacements of the points of a body's surface as displacements of the points that are shown.
-  /// @param of_body [3 × points of the body's surface, any number of fields]. There may be more
-  ///   rows below, which are left out.
-  [[nodiscard]] Eigen::MatrixXf carry(BodyId body, const Eigen::MatrixXf& of_body) const;
+  /// Displacements of the points of a body's surface as displacements of the points that are shown,
+  /// or other values at them.
+  /// @param of_body [components × points of the body's surface, any number of fields]. There may be
+  ///   more rows below, which are left out.
+  [[nodiscard]] Eigen::MatrixXf carry(BodyId body, const Eigen::MatrixXf& of_body,
+                                      Eigen::Index components = 3) const;
 
  private:
   /// The points of a body's surface that carry a point, and their weights, which add up to 1.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "base/types.h"
 #include "interaction/interaction_spec.h"
 #include "state_space/configuration.h"
+#include "state_space/mesh_region.h"
 #include "state_space/tool_space_key.h"
 
 namespace palpate {
@@ -122,6 +124,8 @@ struct ToolSpaceSetup {
   ExplorationPolicy policy;
   /// The body that the tool touches.
   BodyId body = kFirstBody;
+  /// Where the tool space serves, of an organ that is divided; nothing: everywhere.
+  std::optional<MeshRegion> region;
 
   [[nodiscard]] ToolSpaceKey key() const { return {id, body}; }
   /// The name for a message: "active node 8", or for another body than the first "active node 8 of
@@ -141,7 +145,7 @@ struct ToolSpaceSetup {
 
 [[nodiscard]] inline bool operator==(const ToolSpaceSetup& a, const ToolSpaceSetup& b) {
   return a.key() == b.key() && a.interaction == b.interaction && a.grid == b.grid &&
-         a.policy == b.policy;
+         a.policy == b.policy && a.region == b.region;
 }
 
 /// The key of a state: the tool space, the check-point, and the level of the equilibrium there.

@@ -33,11 +33,19 @@ const TouchToolSpace* TouchSpace::find(const ToolSpaceKey& key) const {
   return found != tool_spaces.end() && found->setup.key() == key ? &*found : nullptr;
 }
 
+std::vector<const TouchToolSpace*> TouchSpace::list_pressing() const {
+  std::vector<const TouchToolSpace*> of_regions;
+  for (const TouchToolSpace& space : tool_spaces) {
+    if (!space.setup.presses()) continue;
+    if (!space.setup.region) return {&space};
+    of_regions.push_back(&space);
+  }
+  return of_regions;
+}
+
 const TouchToolSpace* TouchSpace::find_pressing() const {
-  const auto found =
-      std::find_if(tool_spaces.begin(), tool_spaces.end(),
-                   [](const TouchToolSpace& space) { return space.setup.presses(); });
-  return found != tool_spaces.end() ? &*found : nullptr;
+  const std::vector<const TouchToolSpace*> all = list_pressing();
+  return all.empty() ? nullptr : all.front();
 }
 
 bool TouchSpace::has_other_bodies() const {

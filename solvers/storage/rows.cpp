@@ -194,6 +194,7 @@ std::int64_t checksum(const ToolSpace& space, Checked checked) {
   // A tool without an offset was stored by a version that had none.
   const double offset = space.setup.interaction.tool.law.offset;
   if (offset != 0) Gather{bits}(offset);
+  if (space.setup.region) for_each_number_of_mesh_region(*space.setup.region, Gather{bits});
   return checksum_of(bits);
 }
 
@@ -261,15 +262,20 @@ std::int64_t checksum(BodyId body, const std::string& name, sqlite::Statement::B
                      checksum_of(name.data(), name.size(), seed_of(body)));
 }
 
+bool is_possible(const std::optional<MeshRegion>& region) {
+  return !region || (region->centre.allFinite() && is_length(region->band) &&
+                     is_length(region->size) && is_length(region->tolerance));
+}
+
 bool is_possible(const ToolSpaceSetup& setup, std::int64_t num_points) {
   const Grid& grid = setup.grid;
   const ExplorationPolicy& policy = setup.policy;
   return storage::kind_of(setup).is_possible(setup, num_points) && grid.origin.allFinite() &&
-         is_length(policy.depth) && is_length(grid.half_width) && is_length(policy.force_limit) &&
-         is_length(policy.tolerance) && grid.resolution >= 1 && grid.resolution % 2 == 1 &&
-         grid.resolution <= kLargestResolution && (grid.half_width > 0 || grid.resolution == 1) &&
-         grid.coarsest >= 1 && (grid.coarsest & (grid.coarsest - 1)) == 0 &&
-         grid.reach() % grid.coarsest == 0 &&
+         is_possible(setup.region) && is_length(policy.depth) && is_length(grid.half_width) &&
+         is_length(policy.force_limit) && is_length(policy.tolerance) && grid.resolution >= 1 &&
+         grid.resolution % 2 == 1 && grid.resolution <= kLargestResolution &&
+         (grid.half_width > 0 || grid.resolution == 1) && grid.coarsest >= 1 &&
+         (grid.coarsest & (grid.coarsest - 1)) == 0 && grid.reach() % grid.coarsest == 0 &&
          grid.coarsest_resolution() <= kLargestCoarsestResolution &&
          policy.history >= History::flat && policy.history <= History::levels &&
          policy.intermediate_states >= 0 && policy.intermediate_states <= kMostIntermediateStates;

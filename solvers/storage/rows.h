@@ -36,8 +36,9 @@ enum class Checked { all, as_version_9, as_version_7, as_version_6, as_version_5
 /// numbers that files had then.
 template <class Space, class Visit>
 void for_each_number_of_tool_space(Space& space, Visit&& visit, Checked checked = Checked::all) {
-  auto& [id, interaction, grid, policy, body] = space.setup;
-  (void)body;  // is a part of the key, as in all tables
+  auto& [id, interaction, grid, policy, body, region] = space.setup;
+  (void)body;    // is a part of the key, as in all tables
+  (void)region;  // has a table of its own
   if (checked <= Checked::as_version_7) {
     visit(id);
     visit(interaction.kind);
@@ -68,6 +69,15 @@ void for_each_number_of_tool_space(Space& space, Visit&& visit, Checked checked 
   visit(grid.origin);
   visit(grid.sparse);
   visit(policy.depth);
+}
+
+/// Calls visit for each number of the row of a region.
+template <class Region, class Visit>
+void for_each_number_of_mesh_region(Region& region, Visit&& visit) {
+  visit(region.centre);
+  visit(region.band);
+  visit(region.size);
+  visit(region.tolerance);
 }
 
 /// Calls visit for each number of the row of the error of the mesh of a configuration.

@@ -256,6 +256,22 @@ CREATE TABLE contact_offset (
 );
 )sql";
 
+// The table of regions is made when the tool space of a region is stored.
+inline constexpr char kMeshRegionSchema[] = R"sql(
+CREATE TABLE mesh_region (            -- of an organ that is divided: where a tool space serves
+  scene_id      INTEGER NOT NULL REFERENCES scene,
+  tool_space_id INTEGER NOT NULL,
+  centre        BLOB NOT NULL,        -- float64 [3], m: the tool is in the region whose centre is
+                                      -- nearest to it
+  band          NOT NULL,             -- width of the layer in which a region passes into the next
+                                      -- one, m; 0: it is that of an active node
+  size          NOT NULL,             -- distance of centres that was asked for, m
+  tolerance     NOT NULL,             -- error of the force by the mesh that was asked for, a share;
+                                      -- the checksum of the tool space takes all of this in
+  PRIMARY KEY (scene_id, tool_space_id)
+);
+)sql";
+
 // The table of the errors of the mesh is made when the first configuration is stored that has one.
 inline constexpr char kMeshErrorSchema[] = R"sql(
 CREATE TABLE mesh_error (             -- of a configuration, where it was estimated
@@ -295,10 +311,9 @@ struct OptionalTable {
   const char* name;
   const char* schema;
 };
-inline constexpr OptionalTable optional_tables[] = {{"reduced_array", kReducedSchema},
-                                                    {"body_force", kBodyForceSchema},
-                                                    {"boundary_array", kBoundarySchema},
-                                                    {"contact_offset", kContactOffsetSchema},
-                                                    {"mesh_error", kMeshErrorSchema}};
+inline constexpr OptionalTable optional_tables[] = {
+    {"reduced_array", kReducedSchema},   {"body_force", kBodyForceSchema},
+    {"boundary_array", kBoundarySchema}, {"contact_offset", kContactOffsetSchema},
+    {"mesh_region", kMeshRegionSchema},  {"mesh_error", kMeshErrorSchema}};
 
 }  // namespace palpate::storage

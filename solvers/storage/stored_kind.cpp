@@ -115,7 +115,7 @@ std::string number_of(const ToolSpaceKey& key) {
 bool may_become(const ToolSpaceSetup& there, const ToolSpaceSetup& asked) {
   const double spacing = there.grid.spacing();
   return there.interaction == asked.interaction && there.grid.coarsest == asked.grid.coarsest &&
-         there.grid.origin == asked.grid.origin &&
+         there.grid.origin == asked.grid.origin && there.region == asked.region &&
          std::abs(spacing - asked.grid.spacing()) <= kSpacingRounding * spacing &&
          kind_of(there).may_change_tolerance(there.policy.tolerance, asked.policy.tolerance) &&
          there.policy.intermediate_states == asked.policy.intermediate_states &&

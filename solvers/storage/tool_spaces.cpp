@@ -17,6 +17,7 @@ namespace {
 using sqlite::Statement;
 
 constexpr char kContactOffset[] = "contact_offset";
+constexpr char kMeshRegion[] = "mesh_region";
 
 /// The oldest version in which a tool has a surface of its own.
 constexpr std::int64_t kFirstWithSurfaces = 8;
@@ -84,14 +85,24 @@ void ToolSpaces::write(const ToolSpace& space) {
   rows::for_each_number_of_tool_space(space, rows::Bind{insert});
   insert.bind(rows::checksum(space));
   insert.run();
-  const double offset = space.setup.interaction.tool.law.offset;
-  if (offset == 0) return;
-  make_table(connection_.database(), kContactOffset);
-  Statement insert_offset(connection_.database(), Table(kContactOffset).insert());
-  insert_offset.bind(key.body);
-  insert_offset.bind(key.id);
-  insert_offset.bind(offset);
-  insert_offset.run();
+  if (const double offset = space.setup.interaction.tool.law.offset; offset != 0) {
+    write_optional(kContactOffset, key, [&](Statement& row) { row.bind(offset); });
+  }
+  if (space.setup.region) {
+    write_optional(kMeshRegion, key, [&](Statement& row) {
+      rows::for_each_number_of_mesh_region(*space.setup.region, rows::Bind{row});
+    });
+  }
+}
+
+void ToolSpaces::write_optional(const char* table, const ToolSpaceKey& key,
+                                const std::function<void(Statement&)>& bind_numbers) {
+  make_table(connection_.database(), table);
+  Statement insert(connection_.database(), Table(table).insert());
+  insert.bind(key.body);
+  insert.bind(key.id);
+  bind_numbers(insert);
+  insert.run();
 }
 
 void ToolSpaces::set_complete(const ToolSpaceKey& key, bool complete) {
@@ -111,6 +122,21 @@ double ToolSpaces::contact_offset(const ToolSpaceKey& key) const {
   return select.step() ? select.take_double() : 0;
 }
 
+std::optional<MeshRegion> ToolSpaces::mesh_region(const ToolSpaceKey& key) const {
+  if (!has_table(connection_.database(), kMeshRegion)) return std::nullopt;
+  Statement select(connection_.database(),
+                   "SELECT " + Table(kMeshRegion).columns("centre", "") +
+                       " FROM mesh_region WHERE scene_id = ? AND tool_space_id = ?");
+  select.bind(key.body);
+  select.bind(key.id);
+  if (!select.step()) return std::nullopt;
+  MeshRegion region;
+  bool sound = true;
+  rows::for_each_number_of_mesh_region(region, rows::Take{select, sound});
+  if (!sound) region.band = -1;
+  return region;
+}
+
 void ToolSpaces::read_into(BodyId body, std::vector<ToolSpace>& tool_spaces) const {
   std::int64_t num_corners = coarsest_corners(tool_spaces);
   Statement select(connection_.database(),
@@ -124,6 +150,7 @@ void ToolSpaces::read_into(BodyId body, std::vector<ToolSpace>& tool_spaces) con
     bool sound = true;
     rows::for_each_number_of_tool_space(space, rows::Take{select, sound});
     space.setup.interaction.tool.law.offset = contact_offset(space.setup.key());
+    space.setup.region = mesh_region(space.setup.key());
     const std::int64_t stored = select.take_integer();
     if (connection_.has_checksums()) {
       sound = stored == rows::checksum(space, connection_.checked()) && sound;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tool spaces of a file without what was found in them: the tables tool_space and
-// contact_offset.
+// The tool spaces of a file without what was found in them: the tables tool_space, contact_offset
+// and mesh_region.
 #pragma once
 
 #include <functional>
@@ -44,6 +44,11 @@ class ToolSpaces {
  private:
   /// The offset of the contact layer of a rigid tool, m.
   [[nodiscard]] double contact_offset(const ToolSpaceKey& key) const;
+  /// The region in which a tool space serves; nothing: everywhere.
+  [[nodiscard]] std::optional<MeshRegion> mesh_region(const ToolSpaceKey& key) const;
+  /// Writes the row of a tool space in an optional table.
+  void write_optional(const char* table, const ToolSpaceKey& key,
+                      const std::function<void(sqlite::Statement&)>& bind_numbers);
   void read_into(BodyId body, std::vector<ToolSpace>& tool_spaces) const;
 
   Connection& connection_;

@@ -351,7 +351,7 @@ TEST(Press, WhereNoNodeIsNearNothingIsGrasped) {
 TEST(Press, TellsWhereAndHowDeepItCan) {
   const TouchSpace space = test::pressed_space();
   const Touchable body(space);
-  const Interpolator& force = *body.force_on_tool();
+  const ToolForce& force = *body.force_on_tool();
   const RigidTool& tool = space.tool_spaces[0].setup.interaction.tool;
   const std::vector<char> pressable = pressable_points(space.surface, tool, force);
   int num_pressable = 0;

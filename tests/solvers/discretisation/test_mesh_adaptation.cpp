@@ -10,6 +10,7 @@
 #include "assembly/refined_scene.h"
 #include "discretisation/mesh_error_estimate.h"
 #include "equilibrium/equilibrium.h"
+#include "interaction/mesh_error.h"
 #include "interaction/rigid_tool.h"
 #include "solvers/support/block.h"
 #include "solvers/support/box_mesh.h"
@@ -71,8 +72,8 @@ TEST(MeshAdaptation, ReachesTheToleranceWithFewCells) {
       adapt_mesh(scene, options, [&](const Scene& on) { return press(on, places, 0.004); });
   EXPECT_EQ(adapted.end, AdaptationEnd::reached);
   ASSERT_EQ(adapted.rounds.size(), adapted.refinements.size() + 1);
-  EXPECT_LE(kSafetyOfEstimate * adapted.rounds.back().errors[0], options.tolerance);
-  EXPECT_GT(kSafetyOfEstimate * adapted.rounds.front().errors[0], 2 * options.tolerance);
+  EXPECT_LE(kMostOfEstimate * adapted.rounds.back().errors[0], options.tolerance);
+  EXPECT_GT(kMostOfEstimate * adapted.rounds.front().errors[0], 2 * options.tolerance);
 
   // The truth: all cells of the adapted mesh divided, the rest of the error estimated.
   const auto divided = [](const Scene& of) {

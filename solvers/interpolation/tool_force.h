@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The force on a rigid tool, wherever it presses. Where the organ is divided into regions with
+// meshes of their own, the energies of the tool spaces around a place are blended,
+//
+//   Π(x) = Σ W_i Π_i,   h = Σ (W_i h_i + Π_i ∇W_i)
+//
+// with the weights of region_weights.h. So the force is the gradient of one energy everywhere: it
+// has no jump between two regions, and does no work around a closed loop. Π_i ∇W_i comes from the
+// difference of two meshes alone. It is counted in the bound of the error of the mesh.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "interpolation/interpolator.h"
+#include "interpolation/region_weights.h"
+
+namespace palpate {
+
+/// Immutable.
+class ToolForce {
+ public:
+  /// @param tool_spaces Those of a rigid tool: one, or one for each region.
+  /// @throws InputError as make_interpolator() and RegionWeights do; several tool spaces of which
+  ///   one has no region.
+  ToolForce(const std::vector<const TouchToolSpace*>& tool_spaces, Method method,
+            const InterpolationOptions& options = {});
+  /// The force after configurations were added to a tool space, which may be a new one.
+  /// @param tool_spaces As above, all of them. @param grown The key of the one that has grown.
+  /// @param changed The check-points of these configurations.
+  ToolForce(const ToolForce& before, const std::vector<const TouchToolSpace*>& tool_spaces,
+            const ToolSpaceKey& grown, const std::vector<CheckPoint>& changed);
+
+  /// @note Realtime-safe.
+  [[nodiscard]] TouchResult evaluate(const Vec3& x) const noexcept;
+
+  /// The force by the tool space that has the most weight at a place. That alone tells where the
+  /// place lies among the check-points: neighbouring regions reach across their band.
+  /// @note Realtime-safe.
+  [[nodiscard]] const Interpolator& at(const Vec3& x) const noexcept {
+    return *parts_[weights_ ? static_cast<std::size_t>(weights_->nearest(x)) : 0].force;
+  }
+  /// Whether a place is in a cell of the space.
+  /// @note Realtime-safe.
+  [[nodiscard]] bool has_cell(const Vec3& x) const noexcept {
+    return at(x).locate(x).place == CheckPointGrid::Place::cell;
+  }
+
+  /// Calls visit(part, weight) for each of the tool spaces that have a weight at a place: its
+  /// number in the list that the constructor was given.
+  /// @note Realtime-safe.
+  template <class Visit>
+  void visit_weights(const Vec3& x, Visit&& visit) const noexcept {
+    if (!weights_) {
+      visit(std::size_t{0}, 1.0);
+      return;
+    }
+    weights_->visit(x, [&](const RegionWeights::Weight& w) {
+      visit(static_cast<std::size_t>(w.region), w.value);
+    });
+  }
+  /// The force by one of the tool spaces alone.
+  [[nodiscard]] const Interpolator& part(std::size_t number) const { return *parts_[number].force; }
+  [[nodiscard]] std::size_t size() const { return parts_.size(); }
+  /// Distance of neighbouring check-points, m.
+  [[nodiscard]] double spacing() const noexcept { return parts_.front().force->spacing(); }
+  void add_memory(MemoryRanges& ranges) const;
+
+ private:
+  struct Part {
+    ToolSpaceKey key;
+    std::shared_ptr<const Interpolator> force;
+  };
+
+  void weigh(const std::vector<const TouchToolSpace*>& tool_spaces);
+
+  Method method_;
+  InterpolationOptions options_;
+  /// In the order of the tool spaces.
+  std::vector<Part> parts_;
+  /// Nothing: there is one tool space, for the whole organ.
+  std::optional<RegionWeights> weights_;
+};
+
+/// The weights of tool spaces of a rigid tool; nothing where there is one, for the whole organ.
+/// @throws InputError as RegionWeights; several tool spaces of which one has no region.
+[[nodiscard]] std::optional<RegionWeights> region_weights(
+    const std::vector<const TouchToolSpace*>& tool_spaces);
+
+}  // namespace palpate

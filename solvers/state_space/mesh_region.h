@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An organ may be divided into regions, each with a mesh of its own that is fine where it is
+// touched there. A rigid tool is in the region whose centre is nearest to it, and passes smoothly
+// from one to the next. An active node may have such a mesh, too.
+#pragma once
+
+#include <tuple>
+
+#include "base/types.h"
+
+namespace palpate {
+
+struct MeshRegion {
+  /// m; the place of an active node.
+  Vec3 centre = Vec3::Zero();
+  /// The width of the layer in which this region passes into a neighbour, m; 0 for an active node.
+  double band = 0;
+  /// The largest distance of centres of regions that was asked for, m; 0 for an active node.
+  double size = 0;
+  /// The largest error of a force that the mesh was to cause, as a share of it.
+  double tolerance = 0;
+};
+
+[[nodiscard]] inline bool operator==(const MeshRegion& a, const MeshRegion& b) {
+  return a.centre == b.centre &&
+         std::tie(a.band, a.size, a.tolerance) == std::tie(b.band, b.size, b.tolerance);
+}
+
+}  // namespace palpate
