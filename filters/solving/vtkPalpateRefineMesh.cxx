@@ -254,8 +254,8 @@ void vtkPalpateRefineMesh::Refine(const palpate::Scene& scene, Touches& touches,
   palpate::AdaptationOptions options;
   options.tolerance = this->MeshTolerance;
   options.max_cells = this->MaximumCells;
-  const palpate::AdaptedMesh adapted = palpate::adapt_mesh(
-    scene, options, [&](const palpate::Scene& on) { return this->Touch(on, touches); });
+  const palpate::AdaptedMesh adapted = palpate::adapt_mesh(scene, options,
+    [&](const palpate::Scene& on, const palpate::MeshHints&) { return this->Touch(on, touches); });
   if (adapted.end == palpate::AdaptationEnd::stopped)
   {
     throw InputError("The mesh was not refined to its end, since the filter was aborted.");

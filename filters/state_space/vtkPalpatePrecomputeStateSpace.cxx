@@ -332,6 +332,7 @@ std::vector<palpate::BodyOfRun> vtkPalpatePrecomputeStateSpace::BodiesOfRun(
     return { { scene, options.active_nodes } };
   }
   const auto begin = std::chrono::steady_clock::now();
+  auto told = begin;
   const auto tell = [&](std::size_t made, std::size_t all)
   {
     if (communicator.rank() == 0)
@@ -340,6 +341,12 @@ std::vector<palpate::BodyOfRun> vtkPalpatePrecomputeStateSpace::BodiesOfRun(
         "Meshes of regions: " + std::to_string(made) + " of " + std::to_string(all);
       this->SetProgressText(text.c_str());
       this->UpdateProgress(0);
+      const std::chrono::duration<double> since = std::chrono::steady_clock::now() - told;
+      if (this->LogInterval > 0 && since.count() > this->LogInterval)
+      {
+        std::cerr << "Precompute State Space: " << text << std::endl;
+        told = std::chrono::steady_clock::now();
+      }
     }
     return this->GetAbortExecute() == 0;
   };
@@ -349,6 +356,14 @@ std::vector<palpate::BodyOfRun> vtkPalpatePrecomputeStateSpace::BodiesOfRun(
   this->MeshSeconds = since.count();
   if (communicator.rank() == 0)
   {
+    if (this->LogInterval > 0 && this->MeshSeconds > this->LogInterval)
+    {
+      const auto [least, most] = std::minmax_element(organ.meshes.begin(), organ.meshes.end(),
+        [](const auto& a, const auto& b) { return a.num_cells < b.num_cells; });
+      std::cerr << "Precompute State Space: " << organ.meshes.size() << " meshes of "
+                << least->num_cells << " to " << most->num_cells << " cells took "
+                << vtkPalpateTellSeconds(this->MeshSeconds) << '.' << std::endl;
+    }
     this->WarnOf(organ.meshes);
   }
   return std::move(organ.bodies);

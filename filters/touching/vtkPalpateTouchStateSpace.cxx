@@ -379,7 +379,8 @@ void vtkPalpateTouchStateSpace::FindWholeBody(Part& part, const double t[3])
   if (this->Stress && setup.body != palpate::kFirstBody)
   {
     throw palpate::InputError("Stress is shown where the first body of a space is touched, and " +
-      setup.name() + " is on another one. Turn Stress off, or set BodyNumber to 1.");
+      setup.name() + " is on another one. Turn Stress off" +
+      (setup.region ? "." : ", or set BodyNumber to 1."));
   }
   if (!cache.Fields)
   {

@@ -129,6 +129,13 @@ AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
   return round;
 }
 
+/// Takes over what was found for a touch on the mesh before.
+void keep(const AdaptationRound& before, std::size_t touch, AdaptationRound& now) {
+  now.errors[touch] = before.errors[touch];
+  now.changes[touch] = before.changes[touch];
+  now.is_known[touch] = before.is_known[touch];
+}
+
 /// Whether no touch that needs a finer mesh says which cells have an error.
 bool says_nothing(const std::vector<TouchOnMesh>& touches, const AdaptationRound& round,
                   const AdaptationOptions& options) {
@@ -162,13 +169,25 @@ AdaptedMesh adapt_mesh(Scene scene, const AdaptationOptions& options, const Touc
   adapted.scene = std::move(scene);
   std::vector<TouchOnMesh> before;
   for (;;) {
-    std::vector<TouchOnMesh> touches = touch(adapted.scene);
+    MeshHints hints;
+    if (!adapted.refinements.empty()) hints.refinement = &adapted.refinements.back();
+    std::vector<char>& needed = hints.needed;
+    if (!options.touches_again && !before.empty()) {
+      for (std::size_t i = 0; i < before.size(); ++i) {
+        needed.push_back(is_done(adapted.rounds.back(), i, options) ? 0 : 1);
+      }
+    }
+    std::vector<TouchOnMesh> touches = touch(adapted.scene, hints);
     if (touches.empty()) {
       adapted.end = AdaptationEnd::stopped;
       return adapted;
     }
     const Index num_cells = adapted.scene.body.mesh.num_cells();
-    adapted.rounds.push_back(summary(touches, before, num_cells));
+    AdaptationRound found = summary(touches, before, num_cells);
+    for (std::size_t i = 0; i < needed.size(); ++i) {
+      if (needed[i] == 0) keep(adapted.rounds.back(), i, found);
+    }
+    adapted.rounds.push_back(std::move(found));
     give_up(adapted.rounds);
     const AdaptationRound& round = adapted.rounds.back();
     bool all_done = true;

@@ -33,6 +33,9 @@ struct AdaptationOptions {
   /// Whether the force will be corrected by its estimated error, so that the tolerance is for what
   /// is left.
   bool is_corrected = false;
+  /// Whether touches are solved for again, on each finer mesh, that need no finer one. Otherwise
+  /// they keep what was found for them, which is no better than it is on a finer mesh.
+  bool touches_again = true;
   /// The mesh gets no more cells than this, at least 1.
   Index max_cells = 20000;
 };
@@ -74,8 +77,19 @@ struct AdaptedMesh {
   AdaptationEnd end = AdaptationEnd::reached;
 };
 
-/// Solves for all touches on the mesh of a scene. Returns nothing to stop.
-using TouchMesh = std::function<std::vector<TouchOnMesh>(const Scene&)>;
+/// What a function that solves for touches may use besides the scene.
+struct MeshHints {
+  /// Which of the touches are needed [number of touches]; empty: all. The others may be left as
+  /// they are constructed.
+  std::vector<char> needed;
+  /// How the mesh has come from the one before, on which equilibria are known; null: it is the
+  /// first.
+  const Refinement* refinement = nullptr;
+};
+
+/// Solves for touches on the mesh of a scene.
+/// @returns One entry for each touch; nothing to stop.
+using TouchMesh = std::function<std::vector<TouchOnMesh>(const Scene&, const MeshHints&)>;
 
 /// Refines until the largest error that an estimate allows (kMostOfEstimate, kMostOfCorrected) is
 /// within the tolerance. The change from the mesh before must be, too: it shows what the estimate

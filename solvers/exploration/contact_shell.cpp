@@ -76,7 +76,7 @@ class Shell {
     const double side = count * side_;
     const double half_diagonal = 0.5 * std::sqrt(3.0) * side;
     const Vec3 centre = grid_.place(cell.first) + Vec3::Constant(0.5 * side);
-    if (options_.may_hold && !options_.may_hold(centre, half_diagonal)) return;
+    if (options_.may_hold && !options_.may_hold(centre, 0.5 * side)) return;
     if (clearance_.clearance(centre) > half_diagonal) return;
     // The depth changes by no more than the distance.
     if (is_too_deep(clearance_.approach(centre).depth - half_diagonal)) return;

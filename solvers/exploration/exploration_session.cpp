@@ -154,7 +154,11 @@ void ExplorationSession::Impl::take_bodies(const std::vector<BodyOfRun>& asked,
       if (!regions.empty()) (void)RegionWeights(regions);
       for (SpaceBody& body : bodies) {
         require_one_organ(*bodies.front().scene, *body.scene);
-        if (solver_names.size() < most_kept) (void)solvers->equilibria(body.number);
+        const BodyOfRun& of_run = asked[static_cast<std::size_t>(body.number - kFirstBody)];
+        const bool is_touched = !is_divided || of_run.region.has_value();
+        if (is_touched && solver_names.size() < most_kept) {
+          (void)solvers->equilibria(body.number);
+        }
         body.hash = hash(*body.scene);
       }
     });
@@ -171,8 +175,8 @@ ShellOptions ExplorationSession::Impl::shell_of(const std::optional<MeshRegion>&
   if (!region) return shell;
   const auto own = std::find(regions.begin(), regions.end(), *region) - regions.begin();
   shell.may_hold = [weights = RegionWeights(regions), own = static_cast<int>(own)](
-                       const Vec3& place, double reach) {
-    return weights.may_reach(own, place, reach);
+                       const Vec3& place, double half) {
+    return weights.may_reach(own, place, half);
   };
   // The regions follow each other in the order of their distances from where the exploration
   // begins.

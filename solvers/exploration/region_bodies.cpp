@@ -200,11 +200,11 @@ std::vector<Wanted> wanted_nodes(const Scene& scene, const SettledBody& at_rest,
 class Toucher {
  public:
   Toucher(const Wanted& wanted, const PrecomputeOptions& options, const Scene& first)
-      : wanted_(wanted), options_(options) {
+      : wanted_(wanted), options_(options), found_(wanted.touches.size()) {
     if (has_rigid_tool(options)) tool_ = with_defaults(options.contact->tool, first);
   }
 
-  [[nodiscard]] std::vector<TouchOnMesh> operator()(const Scene& scene) const {
+  [[nodiscard]] std::vector<TouchOnMesh> touch(const Scene& scene, const MeshHints& hints) {
     EquilibriumOptions equilibrium = options_.equilibrium;
     equilibrium.tolerance = std::max(equilibrium.tolerance, kSolverTolerance);
     equilibrium.third_derivatives = false;
@@ -230,11 +230,14 @@ class Toucher {
     const MeshErrorEstimator estimator(scene, solver.assembly());
     const std::unique_ptr<Interaction> tool = tools.make(setup.interaction);
     std::vector<TouchOnMesh> result;
-    for (const Vec3& t : wanted_.touches) {
-      const std::optional<Equilibrium> state = solve(states, setup, t);
-      if (state && state->outcome == Outcome::aborted) return {};
+    for (std::size_t i = 0; i < wanted_.touches.size(); ++i) {
       TouchOnMesh& touch = result.emplace_back();
       touch.is_known = false;
+      if (!hints.needed.empty() && hints.needed[i] == 0) continue;
+      const std::optional<Equilibrium> state =
+          solve(solver, states, setup, wanted_.touches[i], carried_state(i, hints));
+      found_[i] = {};
+      if (state && state->outcome == Outcome::aborted) return {};
       touch.energy_of_cells.resize(static_cast<std::size_t>(scene.body.mesh.num_cells()), 0);
       if (!state || state->v.size() == 0) continue;
       MeshErrorEstimate estimate = estimator.estimate(*state, *tool);
@@ -242,14 +245,32 @@ class Toucher {
       touch.error = estimate.force;
       touch.is_known = state->outcome == Outcome::converged && estimate.is_small;
       touch.energy_of_cells = std::move(estimate.energy_of_cells);
+      if (touch.is_known) found_[i] = state->u;
     }
+    mesh_ = scene.body.mesh;
     return result;
   }
 
  private:
-  /// Nothing: no way leads to the place.
-  [[nodiscard]] std::optional<Equilibrium> solve(InteractionSolver& states,
-                                                 const ToolSpaceSetup& setup, const Vec3& t) const {
+  /// The displacement of a touch on the mesh before, on this one; empty where it is not known.
+  [[nodiscard]] NodalVector carried_state(std::size_t i, const MeshHints& hints) const {
+    if (hints.refinement == nullptr || found_[i].size() == 0) return {};
+    return carried(mesh_, *hints.refinement, found_[i]);
+  }
+  /// @param near A displacement near the equilibrium; empty: there is none.
+  /// @returns Nothing: no way leads to the place.
+  [[nodiscard]] std::optional<Equilibrium> solve(EquilibriumSolver& solver,
+                                                 InteractionSolver& states,
+                                                 const ToolSpaceSetup& setup, const Vec3& t,
+                                                 const NodalVector& near) const {
+    if (near.size() > 0) {
+      Equilibrium start;
+      start.t = t;
+      start.u = near;
+      states.take(setup);
+      Equilibrium found = solver.settle(start);
+      if (found.outcome == Outcome::converged) return found;
+    }
     try {
       if (wanted_.node < 0) return states.begin(setup, t, Tangent::iterated);
       const Equilibrium rest = states.begin(setup, Vec3::Zero(), Tangent::factorised);
@@ -262,6 +283,10 @@ class Toucher {
   const Wanted& wanted_;
   const PrecomputeOptions& options_;
   RigidTool tool_;
+  /// The mesh before, and the displacement of each touch on it that was found and has a small
+  /// error.
+  TetMesh mesh_;
+  std::vector<NodalVector> found_;
 };
 
 /// The mesh whose surface is shown: its faces are small enough to show what the tool does.
@@ -367,8 +392,12 @@ class MeshMaker {
     AdaptationOptions adaptation;
     adaptation.tolerance = regions_.tolerance;
     adaptation.max_cells = regions_.max_cells;
+    adaptation.touches_again = false;
     adaptation.is_corrected = wanted.node < 0 && options_.estimate_mesh_error;
-    const AdaptedMesh adapted = adapt_mesh(scene_, adaptation, Toucher(wanted, options_, scene_));
+    Toucher toucher(wanted, options_, scene_);
+    const AdaptedMesh adapted = adapt_mesh(
+        scene_, adaptation,
+        [&](const Scene& on, const MeshHints& hints) { return toucher.touch(on, hints); });
     if (adapted.end == AdaptationEnd::stopped) {
       throw InputError(
           "The meshes of the regions were not made to the end, since the run was "

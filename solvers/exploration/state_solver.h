@@ -87,8 +87,7 @@ class InteractionSolver final : public StateSolver {
     if (has_fields(state)) solver_.forget(state);
   }
 
- private:
-  [[nodiscard]] static bool has_fields(const Equilibrium& state) { return state.u.size() > 0; }
+  /// Has the solver solve with the tool of a tool space.
   void take(const ToolSpaceSetup& setup) {
     if (taken_ == setup.key()) return;
     tool_ = tools_.make(setup.interaction);
@@ -96,6 +95,9 @@ class InteractionSolver final : public StateSolver {
     clearance_ = tools_.clearance(setup.interaction);
     taken_ = setup.key();
   }
+
+ private:
+  [[nodiscard]] static bool has_fields(const Equilibrium& state) { return state.u.size() > 0; }
 
   const SpaceBody& body_;
   EquilibriumSolver& solver_;

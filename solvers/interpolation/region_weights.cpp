@@ -45,9 +45,11 @@ int RegionWeights::nearest(const Vec3& x) const noexcept {
   return nearest;
 }
 
-bool RegionWeights::may_reach(int region, const Vec3& x, double distance) const noexcept {
+bool RegionWeights::may_reach(int region, const Vec3& x, double half) const noexcept {
   for (int other = 0; other < size(); ++other) {
-    if (other != region && side(region, other, x) + distance <= -0.5 * band_) return false;
+    if (other == region) continue;
+    const Vec3 normal = (centres_[region] - centres_[other]).normalized();
+    if (side(region, other, x) + half * normal.lpNorm<1>() <= -0.5 * band_) return false;
   }
   return true;
 }

@@ -34,9 +34,10 @@ class RegionWeights {
   /// @note Realtime-safe.
   [[nodiscard]] int nearest(const Vec3& x) const noexcept;
 
-  /// Whether a region has a weight somewhere within a distance of a place; it may say so of one
-  /// that has none.
-  [[nodiscard]] bool may_reach(int region, const Vec3& x, double distance) const noexcept;
+  /// Whether a region has a weight somewhere in a cube around a place, with its sides along the
+  /// axes; it may say so of one that has none.
+  /// @param half Half of the cube's side, m.
+  [[nodiscard]] bool may_reach(int region, const Vec3& x, double half) const noexcept;
 
   /// Calls visit(const Weight&) for each region that has a weight at a place.
   /// @note Realtime-safe.

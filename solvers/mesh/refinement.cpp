@@ -222,4 +222,26 @@ Refinement refine(const TetMesh& mesh, const std::vector<char>& chosen) {
   return builder.take();
 }
 
+NodalVector carried(const TetMesh& mesh, const Refinement& refinement, const NodalVector& u) {
+  NodalVector fine(3 * static_cast<Eigen::Index>(refinement.mesh.num_points()));
+  fine.head(u.size()) = u;
+  Eigen::Index point = mesh.num_points();
+  for (const Refinement::Place& place : refinement.new_points) {
+    const Index* nodes = mesh.cell(place.cell);
+    const Eigen::Vector4d& l = place.barycentric;
+    const bool is_quadratic = mesh.order == ElementOrder::quadratic;
+    Vec3 sum = Vec3::Zero();
+    for (int c = 0; c < 4; ++c) {
+      const double weight = is_quadratic ? l[c] * (2 * l[c] - 1) : l[c];
+      sum += weight * u.segment<3>(3 * Eigen::Index{nodes[c]});
+    }
+    for (int e = 0; e < 6 && is_quadratic; ++e) {
+      const auto& [a, b] = kTetEdges[e];
+      sum += 4 * l[a] * l[b] * u.segment<3>(3 * Eigen::Index{nodes[4 + e]});
+    }
+    fine.segment<3>(3 * point++) = sum;
+  }
+  return fine;
+}
+
 }  // namespace palpate

@@ -68,8 +68,9 @@ TEST(MeshAdaptation, ReachesTheToleranceWithFewCells) {
   const std::vector<Vec3> places{{0.03, 0.035, kSize.z()}};
   AdaptationOptions options;
   options.tolerance = 0.08;
-  const AdaptedMesh adapted =
-      adapt_mesh(scene, options, [&](const Scene& on) { return press(on, places, 0.004); });
+  const AdaptedMesh adapted = adapt_mesh(
+      scene, options,
+      [&](const Scene& on, const MeshHints& /*hints*/) { return press(on, places, 0.004); });
   EXPECT_EQ(adapted.end, AdaptationEnd::reached);
   ASSERT_EQ(adapted.rounds.size(), adapted.refinements.size() + 1);
   EXPECT_LE(kMostOfEstimate * adapted.rounds.back().errors[0], options.tolerance);
@@ -100,8 +101,9 @@ TEST(MeshAdaptation, IsFineAtEachPlace) {
   const std::vector<Vec3> places{{0.025, 0.04, kSize.z()}, {0.075, 0.04, kSize.z()}};
   AdaptationOptions options;
   options.tolerance = 0.2;
-  const AdaptedMesh adapted = adapt_mesh(make_pressed_block(), options,
-                                         [&](const Scene& on) { return press(on, places, 0.004); });
+  const AdaptedMesh adapted = adapt_mesh(
+      make_pressed_block(), options,
+      [&](const Scene& on, const MeshHints& /*hints*/) { return press(on, places, 0.004); });
   EXPECT_EQ(adapted.end, AdaptationEnd::reached);
   for (const double error : adapted.rounds.back().errors) EXPECT_LE(1.5 * error, 0.2);
 }
@@ -118,8 +120,10 @@ TouchOnMesh made_up(const Scene& scene, double error) {
 
 TEST(MeshAdaptation, LeavesAMeshThatIsFineEnoughAsItIs) {
   const Scene scene = make_pressed_block();
-  const AdaptedMesh adapted = adapt_mesh(
-      scene, {}, [&](const Scene& on) { return std::vector<TouchOnMesh>{made_up(on, 0.01)}; });
+  const AdaptedMesh adapted =
+      adapt_mesh(scene, {}, [&](const Scene& on, const MeshHints& /*hints*/) {
+        return std::vector<TouchOnMesh>{made_up(on, 0.01)};
+      });
   EXPECT_EQ(adapted.end, AdaptationEnd::reached);
   EXPECT_TRUE(adapted.refinements.empty());
   EXPECT_EQ(hash(adapted.scene), hash(scene));
@@ -129,8 +133,10 @@ TEST(MeshAdaptation, EndsBeforeThereAreTooManyCells) {
   const Scene scene = make_pressed_block();
   AdaptationOptions options;
   options.max_cells = scene.body.mesh.num_cells() + 200;
-  const AdaptedMesh adapted = adapt_mesh(
-      scene, options, [&](const Scene& on) { return std::vector<TouchOnMesh>{made_up(on, 0.3)}; });
+  const AdaptedMesh adapted =
+      adapt_mesh(scene, options, [&](const Scene& on, const MeshHints& /*hints*/) {
+        return std::vector<TouchOnMesh>{made_up(on, 0.3)};
+      });
   EXPECT_EQ(adapted.end, AdaptationEnd::too_many_cells);
   EXPECT_LE(adapted.scene.body.mesh.num_cells(), options.max_cells);
   EXPECT_GE(adapted.refinements.size(), 1U);
@@ -139,25 +145,27 @@ TEST(MeshAdaptation, EndsBeforeThereAreTooManyCells) {
 }
 
 TEST(MeshAdaptation, EndsWhereNothingSaysWhichCellsToDivide) {
-  const AdaptedMesh adapted = adapt_mesh(make_pressed_block(), {}, [&](const Scene& on) {
-    TouchOnMesh touch = made_up(on, 0.3);
-    touch.is_known = false;
-    touch.energy_of_cells.assign(touch.energy_of_cells.size(), 0);
-    return std::vector<TouchOnMesh>{touch};
-  });
+  const AdaptedMesh adapted =
+      adapt_mesh(make_pressed_block(), {}, [&](const Scene& on, const MeshHints& /*hints*/) {
+        TouchOnMesh touch = made_up(on, 0.3);
+        touch.is_known = false;
+        touch.energy_of_cells.assign(touch.energy_of_cells.size(), 0);
+        return std::vector<TouchOnMesh>{touch};
+      });
   EXPECT_EQ(adapted.end, AdaptationEnd::not_known);
   EXPECT_TRUE(adapted.refinements.empty());
 }
 
 TEST(MeshAdaptation, EndsWhereTheErrorStaysUnknown) {
   const double nothing = std::numeric_limits<double>::quiet_NaN();
-  const AdaptedMesh adapted = adapt_mesh(make_pressed_block(), {}, [&](const Scene& on) {
-    TouchOnMesh touch = made_up(on, 0.01);
-    touch.is_known = false;
-    touch.error.setConstant(nothing);
-    touch.energy_of_cells.back() = nothing;
-    return std::vector<TouchOnMesh>{touch};
-  });
+  const AdaptedMesh adapted =
+      adapt_mesh(make_pressed_block(), {}, [&](const Scene& on, const MeshHints& /*hints*/) {
+        TouchOnMesh touch = made_up(on, 0.01);
+        touch.is_known = false;
+        touch.error.setConstant(nothing);
+        touch.energy_of_cells.back() = nothing;
+        return std::vector<TouchOnMesh>{touch};
+      });
   EXPECT_EQ(adapted.end, AdaptationEnd::not_known);
   EXPECT_EQ(adapted.rounds.size(), 3U);
   EXPECT_EQ(adapted.rounds.back().is_known[0], 0);
@@ -166,12 +174,13 @@ TEST(MeshAdaptation, EndsWhereTheErrorStaysUnknown) {
 // What the estimate does not see: a force that goes on changing.
 TEST(MeshAdaptation, GoesOnWhileTheForceChanges) {
   int meshes = 0;
-  const AdaptedMesh adapted = adapt_mesh(make_pressed_block(), {}, [&](const Scene& on) {
-    TouchOnMesh touch = made_up(on, meshes == 0 ? 0.1 : 0.01);
-    touch.force[1] = meshes < 3 ? 0.2 * meshes : 0.6;
-    ++meshes;
-    return std::vector<TouchOnMesh>{touch};
-  });
+  const AdaptedMesh adapted =
+      adapt_mesh(make_pressed_block(), {}, [&](const Scene& on, const MeshHints& /*hints*/) {
+        TouchOnMesh touch = made_up(on, meshes == 0 ? 0.1 : 0.01);
+        touch.force[1] = meshes < 3 ? 0.2 * meshes : 0.6;
+        ++meshes;
+        return std::vector<TouchOnMesh>{touch};
+      });
   EXPECT_EQ(adapted.end, AdaptationEnd::reached);
   ASSERT_EQ(meshes, 5);
   EXPECT_TRUE(std::isnan(adapted.rounds.front().changes[0]));
@@ -181,8 +190,57 @@ TEST(MeshAdaptation, GoesOnWhileTheForceChanges) {
 
 TEST(MeshAdaptation, StopsWhereNothingIsReturned) {
   const AdaptedMesh adapted =
-      adapt_mesh(make_pressed_block(), {}, [](const Scene&) { return std::vector<TouchOnMesh>(); });
+      adapt_mesh(make_pressed_block(), {},
+                 [](const Scene&, const MeshHints&) { return std::vector<TouchOnMesh>(); });
   EXPECT_EQ(adapted.end, AdaptationEnd::stopped);
+}
+
+TEST(MeshAdaptation, LeavesATouchThatIsExactEnoughAndOneThatIsNeverKnown) {
+  int meshes = 0;
+  AdaptationOptions options;
+  options.touches_again = false;
+  const auto touch = [&](const Scene& on, const MeshHints& hints) {
+    const std::vector<char>& needed = hints.needed;
+    EXPECT_EQ(hints.refinement == nullptr, meshes == 0);
+    std::vector<TouchOnMesh> touches = {made_up(on, 0.01), made_up(on, meshes < 4 ? 0.2 : 0.01),
+                                        made_up(on, 0.6)};
+    touches[2].is_known = false;
+    if (meshes == 0) {
+      EXPECT_TRUE(needed.empty());
+    } else {
+      EXPECT_EQ(needed, (std::vector<char>{0, 1, static_cast<char>(meshes < 3 ? 1 : 0)}));
+      for (std::size_t i = 0; i < needed.size(); ++i) {
+        if (needed[i] == 0) touches[i] = {};
+      }
+    }
+    ++meshes;
+    return touches;
+  };
+  const AdaptedMesh adapted = adapt_mesh(make_pressed_block(), options, touch);
+  EXPECT_EQ(meshes, 5) << "the third one does not end it";
+  EXPECT_EQ(adapted.end, AdaptationEnd::not_known);
+  EXPECT_EQ(adapted.rounds.back().is_given_up, (std::vector<char>{0, 0, 1}));
+  EXPECT_DOUBLE_EQ(adapted.rounds.back().errors[0], adapted.rounds.front().errors[0]);
+  ASSERT_EQ(adapted.chosen.size(), adapted.refinements.size());
+  EXPECT_EQ(refine(adapted.refinements.front().mesh, adapted.chosen[1]).mesh.cells,
+            adapted.refinements[1].mesh.cells);
+}
+
+TEST(MeshAdaptation, OfACorrectedForceAsksForWhatIsLeft) {
+  AdaptationOptions options;
+  options.tolerance = 0.05;
+  const auto run = [&](double error) {
+    return adapt_mesh(make_pressed_block(), options,
+                      [&](const Scene& on, const MeshHints& /*hints*/) {
+                        return std::vector<TouchOnMesh>{made_up(on, error)};
+                      })
+        .end;
+  };
+  options.max_cells = 500;
+  EXPECT_EQ(run(0.09), AdaptationEnd::too_many_cells);
+  options.is_corrected = true;
+  EXPECT_EQ(run(0.09), AdaptationEnd::reached);
+  EXPECT_EQ(run(0.11), AdaptationEnd::too_many_cells);
 }
 
 TEST(MeshAdaptation, RefusesOptionsWithoutMeaning) {
@@ -192,7 +250,7 @@ TEST(MeshAdaptation, RefusesOptionsWithoutMeaning) {
     options.max_cells = max_cells;
     return test::message_of([&] {
       (void)adapt_mesh(make_pressed_block(), options,
-                       [](const Scene&) { return std::vector<TouchOnMesh>(); });
+                       [](const Scene&, const MeshHints&) { return std::vector<TouchOnMesh>(); });
     });
   };
   EXPECT_NE(run(0, 10).find("Give a share above 0"), std::string::npos);
