@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <memory>
 
 #include "accuracy/accuracy.h"
 #include "base/content_hash.h"
@@ -297,11 +298,10 @@ int vtkPalpateAccuracyReport::RequestData(
       return;
     }
     palpate::TouchSpace space;
-    vtkSmartPointer<vtkUnstructuredGrid> body;
+    std::vector<vtkSmartPointer<vtkUnstructuredGrid>> bodies;
     // One after the other: both are collective, and may fail on the first rank alone.
     palpate::agree(communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
-    palpate::agree(
-      communicator, [&] { body = vtkPalpateGatherBody(vtkPalpateBody(input), controller); });
+    palpate::agree(communicator, [&] { bodies = vtkPalpateGatherBodies(input, controller); });
 
     palpate::AccuracyOptions options;
     options.exact.test_points = this->TestPoints;
@@ -326,8 +326,13 @@ int vtkPalpateAccuracyReport::RequestData(
     }
     this->LastOf.clear();
 
-    const palpate::Scene scene = vtkPalpateShareSceneOfSpace(body, communicator);
-    const AccuracyResult result = palpate::measure_accuracy(scene, space, options, communicator,
+    std::vector<std::shared_ptr<const palpate::Scene>> scenes;
+    for (const auto& body : bodies)
+    {
+      scenes.push_back(
+        std::make_shared<const palpate::Scene>(vtkPalpateShareSceneOfSpace(body, communicator)));
+    }
+    const AccuracyResult result = palpate::measure_accuracy(scenes, space, options, communicator,
       vtkPalpateProgress(this, rank, this->LogInterval, "Accuracy Report", "test points"));
     if (rank != 0)
     {

@@ -428,20 +428,6 @@ void ExpectOneSpace(const vtkPalpatePieces& configurations)
   }
 }
 
-/// The bodies on rank 0, in the order of their numbers.
-std::vector<vtkSmartPointer<vtkUnstructuredGrid>> GatherBodies(
-  vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller)
-{
-  std::vector<vtkSmartPointer<vtkUnstructuredGrid>> bodies;
-  palpate::BodyId number = palpate::kFirstBody;
-  // The blocks are the same on every rank.
-  do
-  {
-    bodies.push_back(vtkPalpateGatherBody(vtkPalpateBody(collection, number), controller));
-  } while (!FindBlocks(collection, BodyBlockName(++number)).empty());
-  return bodies;
-}
-
 /// The pieces as one data set, null where there is none.
 /// @param keys The arrays by which a point is known, and their components. BodyNumber is one more,
 ///   where it is there.
@@ -474,6 +460,19 @@ vtkPalpatePieces vtkPalpateBody(vtkPartitionedDataSetCollection* collection, pal
   return PiecesOfBlocks(collection, BodyBlockName(body));
 }
 
+std::vector<vtkSmartPointer<vtkUnstructuredGrid>> vtkPalpateGatherBodies(
+  vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller)
+{
+  std::vector<vtkSmartPointer<vtkUnstructuredGrid>> bodies;
+  palpate::BodyId number = palpate::kFirstBody;
+  // The blocks are the same on every rank.
+  do
+  {
+    bodies.push_back(vtkPalpateGatherBody(vtkPalpateBody(collection, number), controller));
+  } while (!FindBlocks(collection, BodyBlockName(++number)).empty());
+  return bodies;
+}
+
 std::vector<vtkSmartPointer<vtkDataSet>> vtkPalpateConfigurations(
   vtkPartitionedDataSetCollection* collection)
 {
@@ -491,7 +490,7 @@ TouchSpace vtkPalpateSpaceFromCollection(
   std::vector<vtkSmartPointer<vtkUnstructuredGrid>> bodies;
   if (HasContact(allConfigurations, controller))
   {
-    bodies = GatherBodies(collection, controller);
+    bodies = vtkPalpateGatherBodies(collection, controller);
   }
   TouchSpace space;
   if (controller && controller->GetLocalProcessId() != 0)

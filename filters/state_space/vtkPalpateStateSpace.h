@@ -76,6 +76,7 @@ class vtkDataSet;
 class vtkFieldData;
 class vtkMultiProcessController;
 class vtkPartitionedDataSetCollection;
+class vtkUnstructuredGrid;
 
 namespace palpate
 {
@@ -114,6 +115,11 @@ PALPATESTATESPACE_EXPORT void vtkPalpateAddLeftOut(
 /// The part of the block of a body that this rank has: the partitions with points.
 PALPATESTATESPACE_EXPORT vtkPalpatePieces vtkPalpateBody(
   vtkPartitionedDataSetCollection* collection, palpate::BodyId body = palpate::kFirstBody);
+
+/// The bodies, in the order of their numbers: whole on rank 0.
+/// @note Collective.
+PALPATESTATESPACE_EXPORT std::vector<vtkSmartPointer<vtkUnstructuredGrid>> vtkPalpateGatherBodies(
+  vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller);
 
 /// The part of `Configurations` that this rank has: the partitions with points.
 PALPATESTATESPACE_EXPORT std::vector<vtkSmartPointer<vtkDataSet>> vtkPalpateConfigurations(

@@ -20,27 +20,25 @@ namespace {
 
 /// The tool spaces of rank 0, on every rank.
 /// @param holds On rank 0, set to a function that tells whether a place of a rigid tool is in a
-///   cell of its space.
-std::vector<ToolSpaceSetup> share_setups(const Scene& scene, const TouchSpace& space,
-                                         const std::vector<Method>& methods,
-                                         std::function<bool(const Vec3&)>& holds,
-                                         Communicator& communicator) {
+///   cell of a tool space.
+std::vector<ToolSpaceSetup> share_setups(
+    const std::vector<std::shared_ptr<const Scene>>& scenes, const TouchSpace& space,
+    const std::vector<Method>& methods,
+    std::function<bool(const ToolSpaceKey&, const Vec3&)>& holds, Communicator& communicator) {
   std::vector<ToolSpaceSetup> setups;
+  std::map<ToolSpaceKey, std::shared_ptr<const CheckPointGrid>> grids;
   agree(communicator, [&] {
     if (communicator.rank() != 0) return;
     if (space.tool_spaces.empty()) {
       throw InputError("The state space has no active node. Compute it again.");
     }
-    if (space.has_other_bodies()) {
-      throw InputError(
-          "The state space has tool spaces on several bodies, and the accuracy is measured for a "
-          "space of one body. Compute a space of one body to measure it.");
-    }
-    if (space.scene_hash != hash(scene)) {
+    std::vector<std::string> hashes;
+    for (const auto& scene : scenes) hashes.push_back(hash(*scene));
+    if (space.scene_hash != join_hashes(hashes)) {
       throw InputError(
           "The state space is not of this body: its scene (mesh, materials, fixed "
           "points) has the hash " +
-          space.scene_hash + ", that of the body is " + hash(scene) +
+          space.scene_hash + ", that of the body is " + join_hashes(hashes) +
           ". Compute the state space again.");
     }
     bool is_served = false;
@@ -49,11 +47,11 @@ std::vector<ToolSpaceSetup> share_setups(const Scene& scene, const TouchSpace& s
       const auto grid = std::make_shared<const CheckPointGrid>(tool_space);
       setups.push_back(tool_space.setup);
       is_served = is_served || !variants(tool_space, methods).empty();
-      if (!tool_space.setup.presses()) continue;
-      holds = [grid](const Vec3& q) {
-        return grid->locate(q).place == CheckPointGrid::Place::cell;
-      };
+      grids[tool_space.setup.key()] = grid;
     }
+    holds = [grids](const ToolSpaceKey& tool_space, const Vec3& q) {
+      return grids.at(tool_space)->locate(q).place == CheckPointGrid::Place::cell;
+    };
     if (!is_served) {
       throw InputError("None of the chosen methods serves the state space of " +
                        setups.front().name() +
@@ -204,9 +202,9 @@ bool measure_tool_spaces(const TouchSpace& space, const std::vector<Method>& met
 
 }  // namespace
 
-AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
-                                const AccuracyOptions& options, Communicator& communicator,
-                                const Progress& progress) {
+AccuracyResult measure_accuracy(const std::vector<std::shared_ptr<const Scene>>& scenes,
+                                const TouchSpace& space, const AccuracyOptions& options,
+                                Communicator& communicator, const Progress& progress) {
   std::vector<Method> methods;
   agree(communicator, [&] {
     const std::vector<Method> known = all_methods();
@@ -221,10 +219,10 @@ AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
   });
   ExactOptions of_exact = options.exact;
   const std::vector<ToolSpaceSetup> setups =
-      share_setups(scene, space, methods, of_exact.holds, communicator);
+      share_setups(scenes, space, methods, of_exact.holds, communicator);
   AccuracyResult result;
   const SteadyClock::time_point start = SteadyClock::now();
-  ExactResult exact = solve_test_points(scene, setups, of_exact, communicator, progress);
+  ExactResult exact = solve_test_points(scenes, setups, of_exact, communicator, progress);
   result.num_solved = exact.num_solved;
   result.num_reused = exact.num_reused;
   result.exact_seconds = seconds_since(start);

@@ -118,15 +118,15 @@ struct AccuracyResult {
 };
 
 /// Measures the accuracy of a space by exact solves at test points.
-/// @param scene The same on every rank.
+/// @param scenes Those of the bodies, in the order of their numbers; the same on every rank.
 /// @param space The space on rank 0; it is ignored on other ranks.
 /// @returns The result on rank 0; elsewhere it has no rows and no points.
 /// @note Collective
 /// @throws InputError the space is not of this scene, has no tool space, or none that a chosen
 ///   method serves; or as solve_test_points() and FieldCache::add_up.
 /// @throws BackendError as FieldCache::add_up.
-[[nodiscard]] AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
-                                              const AccuracyOptions& options,
-                                              Communicator& communicator, const Progress& progress);
+[[nodiscard]] AccuracyResult measure_accuracy(
+    const std::vector<std::shared_ptr<const Scene>>& scenes, const TouchSpace& space,
+    const AccuracyOptions& options, Communicator& communicator, const Progress& progress);
 
 }  // namespace palpate

@@ -15,10 +15,10 @@
 #include "accuracy/draw.h"
 #include "base/error.h"
 #include "equilibrium/tangent_solver.h"
+#include "exploration/body_solvers.h"
 #include "exploration/monitor.h"
 #include "exploration/rank_files.h"
 #include "exploration/settle.h"
-#include "exploration/state_solver.h"
 #include "exploration/transfer.h"
 
 namespace palpate {
@@ -26,6 +26,9 @@ namespace {
 
 /// The largest number of points with one anchor that make a task.
 constexpr std::size_t kTaskSize = 16;
+
+/// The solvers of bodies that a rank keeps: tasks of one tool space follow each other.
+constexpr std::size_t kMostSolvers = 2;
 
 /// If a press and a slide lead to forces that differ by more than this share, they lead to
 /// different branches. On one branch the solver's tolerance leaves a difference a thousand times
@@ -97,7 +100,8 @@ class Solver final : public Worker {
 
   /// @param points The points of all tool spaces.
   /// @param num_known The number of all points that are known.
-  Solver(const SpaceBody& body, const std::vector<ToolSpaceSetup>& setups,
+  /// @param first The body whose surface is shown.
+  Solver(const SpaceBody& first, const std::vector<ToolSpaceSetup>& setups,
          const std::vector<std::vector<TestPoint>>& points, std::int64_t num_known,
          StateSolver& states, Monitor& monitor, Keep keep)
       : setups_(setups),
@@ -106,11 +110,11 @@ class Solver final : public Worker {
         states_(states),
         monitor_(monitor),
         keep_(std::move(keep)) {
-    const TetMesh& mesh = body.mesh();
+    const TetMesh& mesh = first.mesh();
     const Surface surface = make_surface(mesh);
     for (const Index p : sample_points(surface)) {
       samples_.push_back(surface.mesh_points[p]);
-      at_rest_.push_back(place_at_rest(mesh, body.at_rest, samples_.back()) -
+      at_rest_.push_back(place_at_rest(mesh, first.at_rest, samples_.back()) -
                          mesh.points[samples_.back()]);
     }
     for (const auto& of_tool_space : points)
@@ -189,7 +193,7 @@ class Solver final : public Worker {
         found.summary.seconds += seconds;
       }
       if (found.outcome == Outcome::aborted) return false;
-      take(found, point);
+      take(setup, found, point);
       if (walks && found.outcome == Outcome::converged) {
         on_the_way |= found.flags & flags::near_fold;
         point.flags |= on_the_way;
@@ -215,7 +219,7 @@ class Solver final : public Worker {
         found = std::move(slid);
       }
       if (found.outcome == Outcome::aborted) return false;
-      take(found, point);
+      take(setup, found, point);
       keep(task, point, mail);
       if (point.kind == TestKind::walk && found.outcome == Outcome::converged) {
         before = std::move(found);
@@ -242,7 +246,7 @@ class Solver final : public Worker {
     return point.regular();
   }
 
-  void take(const Equilibrium& found, TestPoint& point) const {
+  void take(const ToolSpaceSetup& setup, const Equilibrium& found, TestPoint& point) const {
     point.outcome = found.outcome;
     point.flags = found.flags;
     point.seconds = found.summary.seconds;
@@ -250,6 +254,7 @@ class Solver final : public Worker {
     point.energy = found.energy;
     point.force = found.reaction;
     point.stiffness = found.stiffness;
+    if (setup.body != kFirstBody) return;
     point.displacement.resize(3 * static_cast<Eigen::Index>(samples_.size()));
     for (std::size_t s = 0; s < samples_.size(); ++s) {
       point.displacement.segment<3>(3 * static_cast<Eigen::Index>(s)) =
@@ -279,13 +284,16 @@ class Solver final : public Worker {
 };
 
 /// The points of each tool space, not solved.
-std::vector<std::vector<TestPoint>> draw(const SpaceBody& body,
+std::vector<std::vector<TestPoint>> draw(const std::vector<SpaceBody>& bodies,
                                          const std::vector<ToolSpaceSetup>& setups,
-                                         const ExactOptions& options, InteractionFactory& tools) {
+                                         const ExactOptions& options, BodySolvers& solvers) {
   std::vector<std::vector<TestPoint>> points;
   for (const ToolSpaceSetup& setup : setups) {
-    if (const auto clearance = tools.clearance(setup.interaction)) {
-      const auto holds = options.holds ? options.holds : [](const Vec3&) { return true; };
+    const SpaceBody& body = find_body(bodies, setup.body);
+    if (const auto clearance = solvers.tools(setup.body).clearance(setup.interaction)) {
+      const auto holds = [&](const Vec3& q) {
+        return !options.holds || options.holds(setup.key(), q);
+      };
       points.push_back(draw_contact_points(setup, options.seed, options.test_points,
                                            SurfacePlaces(body.scene->body, body.at_rest),
                                            *clearance, holds));
@@ -367,34 +375,42 @@ void validate(const ExactOptions& options) {
   validate(options.equilibrium);
 }
 
-ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
+ExactResult solve_test_points(const std::vector<std::shared_ptr<const Scene>>& scenes,
+                              const std::vector<ToolSpaceSetup>& setups,
                               const ExactOptions& options, Communicator& communicator,
                               const Progress& progress) {
   Monitor monitor(progress, communicator.network());
-  std::unique_ptr<EquilibriumSolver> solver;
   const int threads = num_threads(communicator, options.equilibrium.threads);
-  // Check everything that can be wrong before a file is touched.
-  agree(communicator, [&] {
-    validate(options);
+  std::vector<SpaceBody> bodies;
+  for (const auto& scene : scenes) {
+    bodies.push_back({kFirstBody + static_cast<BodyId>(bodies.size()), scene,
+                      options.file.empty() ? std::string() : hash(*scene), SettledBody{}});
+  }
+  const auto make = [&](const SpaceBody& body) {
     EquilibriumOptions of_solver = options.equilibrium;
     of_solver.follow_folds = false;
     of_solver.kept_factors = std::max(of_solver.kept_factors, 3);
     of_solver.abort_requested = [&monitor] { return !monitor.go_on(); };
     of_solver.threads = threads;
-    solver = std::make_unique<EquilibriumSolver>(scene, of_solver,
-                                                 choose_tangent_solver(scene, threads));
+    return std::make_unique<EquilibriumSolver>(*body.scene, of_solver,
+                                               choose_tangent_solver(*body.scene, threads));
+  };
+  BodySolvers solvers(bodies, make, false, kMostSolvers);
+  // Check everything that can be wrong before a file is touched.
+  agree(communicator, [&] {
+    validate(options);
+    for (const ToolSpaceSetup& setup : setups) (void)solvers.equilibria(setup.body);
   });
-  // The caller's scene outlives this call.
-  const std::vector<SpaceBody> bodies{
-      {kFirstBody, std::shared_ptr<const Scene>(std::shared_ptr<void>(), &scene),
-       options.file.empty() ? std::string() : hash(scene),
-       settle(scene, *solver, options.file, communicator)}};
-  const SpaceBody& body = bodies.front();
-  InteractionFactory tools(scene.body, body.at_rest);
+  for (SpaceBody& body : bodies) {
+    if (!body.scene->has_load()) continue;
+    body.at_rest = settle(*body.scene, solvers.equilibria(body.number), options.file, communicator);
+  }
   Packer drawn;
   agree(communicator, [&] {
-    for (const ToolSpaceSetup& setup : setups) (void)tools.make(setup.interaction);
-    if (communicator.rank() == 0) drawn.put(draw(body, setups, options, tools));
+    for (const ToolSpaceSetup& setup : setups) {
+      (void)solvers.tools(setup.body).make(setup.interaction);
+    }
+    if (communicator.rank() == 0) drawn.put(draw(bodies, setups, options, solvers));
   });
   const std::vector<Bytes> all_drawn = communicator.all_gather(drawn.take());
   const auto points = Unpacker(all_drawn.front()).take<std::vector<std::vector<TestPoint>>>();
@@ -413,9 +429,8 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSet
     }
   }
   const std::vector<Bytes> tasks = communicator.all_gather(to_solve.take());
-  InteractionSolver states(body, *solver, tools);
   Solver worker(
-      body, setups, points, result.num_reused, states, monitor,
+      bodies.front(), setups, points, result.num_reused, solvers, monitor,
       [&](std::int32_t tool_space, const TestPoint& point) { record.keep(tool_space, point); });
   int next = 0;
   for (Unpacker content(tasks.front()); !content.at_end(); ++next) {

@@ -4,6 +4,9 @@
 // that is reached from it, is not regular, the point is reached straight from rest. A point on a
 // walk is reached from the one before it.
 //
+// Of a space of several bodies, the displacement of the surface is kept for the first body alone,
+// whose surface is shown.
+//
 // A rigid tool is pressed in along the normal from where it touches nothing, as configurations are
 // reached. On a slide it comes from the point before. At ridges, a slide may lead to another branch
 // than a press, so each point of a slide is pressed too. If the two forces differ, the branch
@@ -13,6 +16,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "exploration/precompute.h"
@@ -27,9 +31,9 @@ struct ExactOptions {
   /// The file in which the points are kept, and from which known ones are read: a state-space file
   /// of the scene, such as that of the space itself; empty: they are in memory only.
   std::filesystem::path file;
-  /// For a rigid tool, on rank 0: whether a place of the tool is in the space; test points are
+  /// For rigid tools, on rank 0: whether a place of the tool is in a tool space; test points are
   /// drawn only there. Empty: every place is.
-  std::function<bool(const Vec3& q)> holds;
+  std::function<bool(const ToolSpaceKey& tool_space, const Vec3& q)> holds;
   EquilibriumOptions equilibrium;
 };
 
@@ -48,13 +52,13 @@ struct ExactResult {
 };
 
 /// Solves at the test points of each tool space.
-/// @param scene The same on every rank.
+/// @param scenes Those of the bodies, in the order of their numbers; the same on every rank.
 /// @param tool_spaces The same on every rank.
 /// @param progress Called now and then; false ends the run, and what was found until then is in the
 ///   file.
 /// @note Collective
 /// @throws InputError the file is of another scene or tolerance, or as draw_contact_points().
-[[nodiscard]] ExactResult solve_test_points(const Scene& scene,
+[[nodiscard]] ExactResult solve_test_points(const std::vector<std::shared_ptr<const Scene>>& scenes,
                                             const std::vector<ToolSpaceSetup>& tool_spaces,
                                             const ExactOptions& options, Communicator& communicator,
                                             const Progress& progress);

@@ -149,7 +149,7 @@ class Shown {
       }
       return true;
     }
-    if (fields_ == nullptr) return false;
+    if (fields_ == nullptr || of_space_->setup.body != kFirstBody) return false;
     NodalVector u;
     NodalVector p;
     (void)subject.body_field().evaluate(t, *fields_, Keep::touch, u, p);

@@ -119,7 +119,7 @@ AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
     const TouchOnMesh& touch = touches[i];
     const double force = touch.force.size() > 0 ? touch.force.norm() : 0;
     round.errors.push_back(force > 0 ? touch.error.norm() / force : kNaN);
-    const bool may_compare = !before.empty() && before[i].is_known && touch.is_known;
+    const bool may_compare = force > 0 && !before.empty() && before[i].is_known && touch.is_known;
     round.changes.push_back(
         may_compare
             ? ((touch.force - touch.error) - (before[i].force - before[i].error)).norm() / force

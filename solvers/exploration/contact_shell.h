@@ -29,8 +29,8 @@ struct ShellOptions {
   /// Where the exploration begins, m. It spreads from there over the surface, so that this place
   /// can be touched long before the space is complete.
   Vec3 begin_at = Vec3::Zero();
-  /// Of an organ of several regions: whether a tool in a cube around a place, with half a side in m,
-  /// may be in this one. Empty: it may be anywhere.
+  /// Of an organ of several regions: whether a tool in a cube around a place, with half a side in
+  /// m, may be in this one. Empty: it may be anywhere.
   std::function<bool(const Vec3& place, double half)> may_hold;
   /// The turn of this region. The check-points of a region are explored before those of the next
   /// one, so that a rank solves for one body after the other.

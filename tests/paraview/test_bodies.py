@@ -70,7 +70,12 @@ def main():
     expect_error(stress.UpdatePipeline, "BodyNumber")
     nowhere = TouchStateSpace(Input=space, ActiveNode=corner, BodyNumber=2)
     expect_error(nowhere.UpdatePipeline, f"on body 2 of the state space, which has 1: {of_second}")
-    expect_error(AccuracyReport(Input=space).UpdatePipeline, "several bodies")
+    report = AccuracyReport(Input=space, TestPoints=40, Methods=["Energy Hermite"])
+    expect_silence(report.UpdatePipeline)
+    rows = servermanager.Fetch(report, idx=2)
+    names = [rows.GetColumnByName("Tool").GetValue(i) for i in range(rows.GetNumberOfRows())]
+    assert any("body 2" in name for name in names), names
+    assert vtk_to_numpy(rows.GetColumnByName("MeanError")).max() < 0.1
 
     # The rigid tool of a second body is not shown; a node is found where none is named.
     touch = TouchStateSpace(Input=space, BodyNumber=2, Displacement=[0.001, 0, 0])

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 
 #include "accuracy/accuracy.h"
 #include "base/error.h"
@@ -28,7 +29,8 @@ class Accuracy : public testing::Test {
   }
 
   AccuracyResult run() const {
-    return measure_accuracy(block_.scene, space_, options_, *world_, nullptr);
+    return measure_accuracy({std::make_shared<const Scene>(block_.scene)}, space_, options_,
+                            *world_, nullptr);
   }
 
   std::unique_ptr<Communicator> world_ = test::make_world();
@@ -103,7 +105,8 @@ TEST_F(Accuracy, ASpaceOfAnotherBodyIsRefused) {
   other.organ.materials[0].parameters[0] *= 2;
   const auto message = [&](const Scene& scene, const TouchSpace& space) {
     try {
-      (void)measure_accuracy(scene, space, options_, *world_, nullptr);
+      (void)measure_accuracy({std::make_shared<const Scene>(scene)}, space, options_, *world_,
+                             nullptr);
     } catch (const InputError& error) {
       return std::string(error.what());
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "accuracy/accuracy.h"
@@ -53,7 +54,8 @@ class ContactAccuracy : public testing::Test {
     return space;
   }
   [[nodiscard]] AccuracyResult run(const TouchSpace& space, Communicator& communicator) const {
-    return measure_accuracy(block_.scene, space, options_, communicator, progress_);
+    return measure_accuracy({std::make_shared<const Scene>(block_.scene)}, space, options_,
+                            communicator, progress_);
   }
   /// Of that tool, as wide as the block: what test points are drawn for, without a space.
   [[nodiscard]] ToolSpaceSetup setup_to(double depth) const {
@@ -376,10 +378,11 @@ TEST_F(ContactAccuracy, ASlideToAnotherBranchIsToldApart) {
   setup.grid.half_width = size.x();
   setup.policy.depth = 0.004;
   options_.exact.test_points = 150;
-  options_.exact.holds = [](const Vec3& q) {
+  options_.exact.holds = [](const ToolSpaceKey& /*tool_space*/, const Vec3& q) {
     return q.x() > 0.055 && std::abs(q.y() - 0.02) < 0.015;
   };
-  const ExactResult result = solve_test_points(plate, {setup}, options_.exact, *world_, nullptr);
+  const ExactResult result = solve_test_points({std::make_shared<const Scene>(plate)}, {setup},
+                                               options_.exact, *world_, nullptr);
   InteractionFactory tools(plate.body, {});
   const auto clearance = tools.clearance(setup.interaction);
   EquilibriumSolver solver(plate, options_.exact.equilibrium);

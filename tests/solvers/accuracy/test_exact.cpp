@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <memory>
 
 #include "accuracy/draw.h"
 #include "accuracy/exact.h"
@@ -30,7 +31,8 @@ class Exact : public testing::Test {
   }
 
   ExactResult run(Communicator& communicator) const {
-    return solve_test_points(block_.scene, setups_, options_, communicator, progress_);
+    return solve_test_points({std::make_shared<const Scene>(block_.scene)}, setups_, options_,
+                             communicator, progress_);
   }
 
   std::unique_ptr<Communicator> world_ = test::make_world();

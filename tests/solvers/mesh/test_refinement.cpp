@@ -133,6 +133,27 @@ TEST_P(RefinementOfAnyOrder, PointsOfBeforeStayAndNewOnesSayWhereTheyAre) {
   }
 }
 
+TEST_P(RefinementOfAnyOrder, ADisplacementIsCarriedAsItIs) {
+  const TetMesh mesh = box();
+  // What the shape functions can represent.
+  const auto field = [&](const Vec3& x) -> Vec3 {
+    const Vec3 linear(x.y() + 2 * x.z(), 1 - x.x(), 0.5 * x.y());
+    return mesh.order == ElementOrder::quadratic ? Vec3(linear + x.squaredNorm() * Vec3(1, 2, 3))
+                                                 : linear;
+  };
+  NodalVector u(3 * static_cast<Eigen::Index>(mesh.num_points()));
+  for (Index p = 0; p < mesh.num_points(); ++p) {
+    u.segment<3>(3 * Eigen::Index{p}) = field(mesh.points[p]);
+  }
+  const Refinement fine = refine(mesh, near(mesh, kSize, 0.15));
+  const NodalVector of_fine = carried(mesh, fine, u);
+  ASSERT_EQ(of_fine.size(), 3 * static_cast<Eigen::Index>(fine.mesh.num_points()));
+  for (Index p = 0; p < fine.mesh.num_points(); ++p) {
+    const Vec3 found = of_fine.segment<3>(3 * Eigen::Index{p});
+    EXPECT_LE((found - field(fine.mesh.points[p])).norm(), kRounding);
+  }
+}
+
 // Curved cells, too: a part maps its reference cell into that of its parent by an affine map.
 TEST(Refinement, PartsOfACurvedCellAreItsOwn) {
   TetMesh mesh = make_box(ElementOrder::quadratic, {2, 1, 1}, kSize);
