@@ -25,6 +25,7 @@
 #include "vtkPalpateProgress.h"
 #include "vtkPalpateSceneToEstimate.h"
 #include "vtkPalpateStateSpace.h"
+#include "vtkPalpateStateSpaceArrays.h"
 #include "vtkPalpateWholeBody.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
@@ -194,7 +195,7 @@ void FillPoints(const palpate::TouchSpace& space, const AccuracyResult& result, 
   for (const AccuracyPoint& point : all)
   {
     const palpate::Vec3 place =
-      space.find({ point.active_node, palpate::kFirstBody })->setup.interaction.material_point +
+      space.find({ point.active_node, point.body })->setup.interaction.material_point +
       point.exact.t;
     vertices->InsertNextCell({ points->InsertNextPoint(place.data()) });
   }
@@ -206,6 +207,11 @@ void FillPoints(const palpate::TouchSpace& space, const AccuracyResult& result, 
   { arrays->AddArray(Column<vtkIntArray>(name, all, get)); };
   arrays->AddArray(Column<vtkIdTypeArray>(
     "ActiveNode", all, [](const AccuracyPoint& point) { return point.active_node; }));
+  if (space.has_other_bodies())
+  {
+    arrays->AddArray(Column<vtkIdTypeArray>(
+      "BodyNumber", all, [](const AccuracyPoint& point) { return point.body; }));
+  }
   integers("Kind", [](const AccuracyPoint& p) { return static_cast<int>(p.exact.kind); });
   AddVectors(data, "Displacement", all, &palpate::TestPoint::t);
   AddVectors(data, "Force", all, &palpate::TestPoint::force);
@@ -382,7 +388,15 @@ void vtkPalpateAccuracyReport::UpdateEstimate()
       palpate::TouchSpace space;
       palpate::agree(
         *communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
-      const auto scene = vtkPalpateSceneToEstimate(vtkPalpateBody(input), controller);
+      // Of several bodies the last one stands for all: the first may only be shown.
+      palpate::BodyId last = palpate::kFirstBody;
+      while (!vtkPalpateStateSpaceArrays::FindBlocks(
+        input, vtkPalpateStateSpaceArrays::BodyBlockName(last + 1))
+                .empty())
+      {
+        ++last;
+      }
+      const auto scene = vtkPalpateSceneToEstimate(vtkPalpateBody(input, last), controller);
       const int threads = palpate::num_threads(*communicator, this->Threads);
       if (!scene)
       {

@@ -45,6 +45,7 @@
  *    the rigid tool
  *
  *   `ActiveNode`                the active node; −1: a rigid tool
+ *   `BodyNumber`                the body that is touched, of a space with several
  *   `Kind`                      0 anywhere, 1 on a walk or slide, 2 near rest or where the tool
  *                               begins to touch
  *   `Displacement`              the displacement of the node, or the place of a rigid tool, m

@@ -166,6 +166,7 @@ bool measure_tool_spaces(const TouchSpace& space, const std::vector<Method>& met
     for (TestPoint& point : points[s]) {
       AccuracyPoint& added = result.points.emplace_back();
       added.active_node = tool_space.setup.interaction.active_node;
+      added.body = tool_space.setup.body;
       added.exact = point;
     }
     const std::vector<Variant> all = variants(tool_space, methods);

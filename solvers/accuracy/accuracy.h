@@ -89,6 +89,7 @@ struct AccuracyRow {
 struct AccuracyPoint {
   /// −1: a rigid tool.
   Index active_node = 0;
+  BodyId body = kFirstBody;
   TestPoint exact;
   Support support = Support::none;
   PointClass point_class = PointClass::failed;
