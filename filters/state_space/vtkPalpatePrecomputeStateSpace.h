@@ -176,7 +176,7 @@ public:
   vtkGetMacro(MeshTolerance, double);
   ///@}
   ///@{
-  /// The largest distance of a place of the surface from the centre of its region, m; 0: four
+  /// The largest distance of a place of the surface from the centre of its region, m; 0: 2.5
   /// half-widths of the tool.
   vtkSetMacro(RegionSize, double);
   vtkGetMacro(RegionSize, double);

@@ -66,6 +66,10 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node, palpate::B
     const TouchToolSpace& first =
       found == space.tool_spaces.end() ? space.tool_spaces.front() : *found;
     const std::vector<const TouchToolSpace*> pressing = space.list_pressing();
+    if (first.setup.presses() && !pressing.empty() && pressing.front()->setup.region)
+    {
+      return *pressing.front();
+    }
     if (first.setup.presses() &&
       std::find(pressing.begin(), pressing.end(), &first) == pressing.end())
     {
@@ -79,6 +83,14 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node, palpate::B
   if (const TouchToolSpace* toolSpace = space.find({ index, body }); toolSpace && index == node)
   {
     return *toolSpace;
+  }
+  // The meshes of a divided organ number its points alike, and a node is on its own one.
+  for (const TouchToolSpace& toolSpace : space.tool_spaces)
+  {
+    if (toolSpace.setup.region && toolSpace.setup.interaction.active_node == node && node >= 0)
+    {
+      return toolSpace;
+    }
   }
   constexpr int mostNamed = 10;
   int number = 0;

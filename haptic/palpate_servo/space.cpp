@@ -77,6 +77,10 @@ Touched read_touched(const CommandLine& line, std::optional<StateSpaceFile> file
                                : line.node ? space.find({*line.node, kFirstBody})
                                            : &space.tool_spaces.front();
   touched.tool = tool->setup.name();
+  if (tool->setup.presses() && tool->setup.region) {
+    touched.tool = tool->setup.interaction.name() + " in " +
+                   std::to_string(space.list_pressing().size()) + " regions";
+  }
   return touched;
 }
 

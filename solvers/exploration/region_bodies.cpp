@@ -30,8 +30,8 @@ namespace {
 
 /// Lengths in half-widths of a rigid tool: the default size of a region, the width of the bands
 /// between regions, and the distance of the places that are pressed while a mesh is refined.
-constexpr double kSizeOfTool = 4;
-constexpr double kBandOfTool = 1.2;
+constexpr double kSizeOfTool = 2.5;
+constexpr double kBandOfTool = 0.6;
 constexpr double kTouchesOfTool = 1.2;
 /// The longest edge of a face of the body that is shown, in half-widths of the tool. A face of
 /// quadratic cells is shown as four triangles.
@@ -64,7 +64,12 @@ struct Wanted {
 
 bool has_rigid_tool(const PrecomputeOptions& options) { return options.contact.has_value(); }
 
-void check(const PrecomputeOptions& options, const RegionOptions& regions) {
+void check(const Scene& scene, const PrecomputeOptions& options, const RegionOptions& regions) {
+  if (scene.body.mesh.order == ElementOrder::linear) {
+    throw InputError(
+        "The body has linear cells, whose error cannot be estimated. Choose quadratic cells where "
+        "the body is meshed (ElementOrder), or set MeshTolerance to 0.");
+  }
   if (!(regions.tolerance > 0) || !std::isfinite(regions.tolerance)) {
     throw InputError("The error that the mesh may cause (MeshTolerance) is " +
                      quantity(regions.tolerance, "") +
@@ -72,7 +77,7 @@ void check(const PrecomputeOptions& options, const RegionOptions& regions) {
   }
   if (!(regions.size >= 0) || !std::isfinite(regions.size)) {
     throw InputError("The size of a region (RegionSize) is " + quantity(regions.size, "m") +
-                     ". Give a length, or 0 for four half-widths of the tool.");
+                     ". Give a length, or 0 for 2.5 half-widths of the tool.");
   }
   if (has_rigid_tool(options) && !(options.contact->shell.depth > 0)) {
     throw InputError(
@@ -431,7 +436,7 @@ DividedOrgan divide_organ(const std::shared_ptr<const Scene>& scene,
   std::vector<BodyOfRun> stored;
   agree(communicator, [&] {
     with_memory("to divide the organ into regions", [&] {
-      check(options, regions);
+      check(*scene, options, regions);
       SettledBody at_rest;
       if (scene->has_load()) {
         const EquilibriumSolver solver(*scene, options.equilibrium,

@@ -20,7 +20,7 @@ struct RegionOptions {
   /// tool is corrected by its estimated error if that is estimated; then it is what is left.
   double tolerance = 0.02;
   /// Of a rigid tool: the largest distance of a place of the surface from the centre of its region,
-  /// m; 0: four half-widths of the tool.
+  /// m; 0: 2.5 half-widths of the tool.
   double size = 0;
   /// Each mesh gets no more cells than this.
   Index max_cells = 20000;

@@ -43,14 +43,19 @@ class RegionWeights {
   /// @note Realtime-safe.
   template <class Visit>
   void visit(const Vec3& x, Visit&& visit) const noexcept {
+    this->visit(x, [](int /*region*/) { return true; }, visit);
+  }
+  /// Does the same with the regions for which counts(region) holds alone, whose weights add up to 1.
+  template <class Counts, class Visit>
+  void visit(const Vec3& x, Counts&& counts, Visit&& visit) const noexcept {
     const int first = nearest(x);
     Weight sum;
-    for_each_product(x, first, [&](const Weight& w) {
+    for_each_product(x, first, counts, [&](const Weight& w) {
       sum.value += w.value;
       sum.gradient += w.gradient;
       sum.curvature += w.curvature;
     });
-    for_each_product(x, first, [&](Weight w) {
+    for_each_product(x, first, counts, [&](Weight w) {
       w.value /= sum.value;
       w.gradient = (w.gradient - w.value * sum.gradient) / sum.value;
       const Mat3 mixed = w.gradient * sum.gradient.transpose();
@@ -70,11 +75,11 @@ class RegionWeights {
   /// w_i with its derivatives. @returns False: it is 0.
   /// @param first The nearest region, which makes most weights 0.
   [[nodiscard]] bool product(int region, int first, const Vec3& x, Weight& w) const noexcept;
-  template <class Visit>
-  void for_each_product(const Vec3& x, int first, Visit&& visit) const noexcept {
+  template <class Counts, class Visit>
+  void for_each_product(const Vec3& x, int first, Counts&& counts, Visit&& visit) const noexcept {
     Weight w;
     for (int region = 0; region < size(); ++region) {
-      if (product(region, first, x, w)) visit(w);
+      if (product(region, first, x, w) && counts(region)) visit(w);
     }
   }
 

@@ -52,7 +52,7 @@ TouchResult ToolForce::evaluate(const Vec3& x) const noexcept {
   if (!x.allFinite()) return {};
   TouchResult sum = TouchResult::empty_sum();
   Vec3 of_transition = Vec3::Zero();
-  weights_->visit(x, [&](const RegionWeights::Weight& w) {
+  visit_parts(x, [&](const RegionWeights::Weight& w) {
     const TouchResult part = parts_[static_cast<std::size_t>(w.region)].force->evaluate(x);
     sum.add(w.value, part);
     const Mat3 turned = part.force * w.gradient.transpose();

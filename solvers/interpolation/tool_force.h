@@ -7,6 +7,9 @@
 // with the weights of region_weights.h. So the force is the gradient of one energy everywhere: it
 // has no jump between two regions, and does no work around a closed loop. Π_i ∇W_i comes from the
 // difference of two meshes alone. It is counted in the bound of the error of the mesh.
+//
+// Where a neighbour has no cell, as in a space that is not complete, its part of the band belongs to
+// the others: the force has a step there, as at any border of what is known.
 #pragma once
 
 #include <memory>
@@ -39,7 +42,14 @@ class ToolForce {
   /// place lies among the check-points: neighbouring regions reach across their band.
   /// @note Realtime-safe.
   [[nodiscard]] const Interpolator& at(const Vec3& x) const noexcept {
-    return *parts_[weights_ ? static_cast<std::size_t>(weights_->nearest(x)) : 0].force;
+    std::size_t leading = 0;
+    double most = 0;
+    visit_weights(x, [&](std::size_t part, double weight) {
+      if (weight <= most) return;
+      most = weight;
+      leading = part;
+    });
+    return *parts_[leading].force;
   }
   /// Whether a place is in a cell of the space.
   /// @note Realtime-safe.
@@ -52,11 +62,7 @@ class ToolForce {
   /// @note Realtime-safe.
   template <class Visit>
   void visit_weights(const Vec3& x, Visit&& visit) const noexcept {
-    if (!weights_) {
-      visit(std::size_t{0}, 1.0);
-      return;
-    }
-    weights_->visit(x, [&](const RegionWeights::Weight& w) {
+    visit_parts(x, [&](const RegionWeights::Weight& w) {
       visit(static_cast<std::size_t>(w.region), w.value);
     });
   }
@@ -73,7 +79,35 @@ class ToolForce {
     std::shared_ptr<const Interpolator> force;
   };
 
-  void weigh(const std::vector<const TouchToolSpace*>& tool_spaces);
+  /// Whether the space of a part has a cell at a place, or knows that nothing is touched there.
+  [[nodiscard]] bool knows(int part, const Vec3& x) const noexcept {
+    using Place = CheckPointGrid::Place;
+    const Place place = parts_[static_cast<std::size_t>(part)].force->locate(x).place;
+    return place == Place::cell || place == Place::free;
+  }
+  /// Calls visit(weight) for each part that has a weight at a place. If some of them know the place,
+  /// the others, which would continue from far away, are left out: the region of a space that is
+  /// not complete yet ends there, and its neighbour has all the weight.
+  template <class Visit>
+  void visit_parts(const Vec3& x, Visit&& visit) const noexcept {
+    if (!weights_) {
+      RegionWeights::Weight whole;
+      whole.value = 1;
+      visit(whole);
+      return;
+    }
+    const auto known = [&](int part) { return knows(part, x); };
+    bool is_any = false;
+    bool are_all = true;
+    weights_->visit(x, [&](const RegionWeights::Weight& w) {
+      (known(w.region) ? is_any : are_all) = known(w.region);
+    });
+    if (are_all || !is_any) {
+      weights_->visit(x, visit);
+    } else {
+      weights_->visit(x, known, visit);
+    }
+  }
 
   Method method_;
   InterpolationOptions options_;

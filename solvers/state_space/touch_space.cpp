@@ -35,12 +35,14 @@ const TouchToolSpace* TouchSpace::find(const ToolSpaceKey& key) const {
 
 std::vector<const TouchToolSpace*> TouchSpace::list_pressing() const {
   std::vector<const TouchToolSpace*> of_regions;
+  std::vector<const TouchToolSpace*> found;
   for (const TouchToolSpace& space : tool_spaces) {
     if (!space.setup.presses()) continue;
     if (!space.setup.region) return {&space};
     of_regions.push_back(&space);
+    if (!space.configurations.empty()) found.push_back(&space);
   }
-  return of_regions;
+  return found.empty() ? of_regions : found;
 }
 
 const TouchToolSpace* TouchSpace::find_pressing() const {

@@ -72,8 +72,8 @@ struct TouchSpace {
   /// The tool space with a key, or nullptr.
   [[nodiscard]] const TouchToolSpace* find(const ToolSpaceKey& key) const;
   /// The tool spaces whose tool presses the body anywhere: none, one, or one for each region of
-  /// the organ. A space may have others besides: the first one by its key that is for the whole
-  /// organ is taken alone.
+  /// the organ of which something was found. A space may have others besides: the first one by its
+  /// key that is for the whole organ is taken alone.
   [[nodiscard]] std::vector<const TouchToolSpace*> list_pressing() const;
   /// The first of these, for what they have in common, the tool among it; nullptr: there is none.
   [[nodiscard]] const TouchToolSpace* find_pressing() const;

@@ -13,6 +13,8 @@
 //   transition     which level is reached from where, in a space with levels
 //   intermediate   states on the way to each configuration, where they were asked for
 //   test_point     equilibria beside the configurations, see state_space/test_point.h
+//   mesh_region    the region that a tool space is for, of an organ that is divided; a file without
+//                  regions has no such table
 //   reduced_array  the arrays of reduced models and of what was trained at places, and of training
 //                  that is under way; a file that holds none of them has no such table
 //

@@ -196,10 +196,13 @@ def check_file(make, changes, file):
     return refused
 
 
+# They mean nothing without a MeshTolerance.
+OF_REGIONS = {"RegionSize": 0.06, "MaximumCells": 100000}
 # Other values of the properties of a space.
 OF_BOTH = {"ForceLimit": 0.5, "ThirdDerivatives": 0, "SolverTolerance": 1e-6,
            "SinglePrecisionFactors": 0, "MaximumSeconds": 60, "BodyForce": [0, 0, -1],
-           "Keep": "All", "RanksPerSolve": 2, "Graspable": 1, "EstimateMeshError": 1}
+           "Keep": "All", "RanksPerSolve": 2, "Graspable": 1, "EstimateMeshError": 1,
+           "MeshTolerance": 0.1, **OF_REGIONS}
 OF_BONDED = {"TipRadius": 0.11, "HalfWidth": 0.012, "Resolution": 5, "Tolerance": 0.05,
              "ToleranceType": "Absolute", "History": "Levels", "IntermediateStates": 1,
              "DisplacementBound": 0.1}
@@ -222,12 +225,12 @@ def test_bonded_space():
         "Input", "Tool", "ToolSurface"}
     # Each of the others is without a meaning here, or does not change what is found.
     assert check_properties(make, changes) == set(changes) - {
-        "Graspable", "Keep", "MaximumSeconds", "ToleranceType"}
+        "Graspable", "Keep", "MaximumSeconds", "ToleranceType", *OF_REGIONS}
     # By a file that is there, what is to be found may be more, and otherwise computed or drawn.
     changes["DisplacementBound"] = 1e-5
     assert check_file(make, changes, "bonded.palpate") == set(changes) - {
         "ActiveNodes", "EstimateMeshError", "ForceLimit", "Graspable", "History",
-        "MaximumSeconds", "SinglePrecisionFactors", "ToleranceType"}
+        "MaximumSeconds", "SinglePrecisionFactors", "ToleranceType", *OF_REGIONS}
 
 
 def test_rigid_space():
@@ -243,10 +246,11 @@ def test_rigid_space():
     tool = make().Tool
     assert {"Tool." + name for name in changeable(tool)} == {*OF_TOOL, "Tool.Motion"}
     changes = {**OF_BOTH, **OF_RIGID, **OF_TOOL, "Tool": "Sphere"}
-    assert check_properties(make, changes) == set(changes) - {"BeginAt", "Keep", "MaximumSeconds"}
+    assert check_properties(make, changes) == set(changes) - {
+        "BeginAt", "Keep", "MaximumSeconds", *OF_REGIONS}
     assert check_file(make, changes, "rigid.palpate") == set(changes) - {
         "BeginAt", "Depth", "EstimateMeshError", "ForceLimit", "MaximumSeconds",
-        "SinglePrecisionFactors", "ToolRegion", "UseToolRegion"}
+        "SinglePrecisionFactors", "ToolRegion", "UseToolRegion", *OF_REGIONS}
 
 
 def on_plane(body, origin, normal, **settings):
