@@ -382,7 +382,7 @@ void vtkPalpatePrecomputeStateSpace::WarnOf(const std::vector<palpate::RegionMes
       continue;
     }
     ++number;
-    isKnown = isKnown && std::isfinite(mesh.error);
+    isKnown = isKnown && mesh.is_known;
     isFull = isFull || mesh.end == palpate::AdaptationEnd::too_many_cells;
     largest = std::fmax(largest, mesh.error);
   }

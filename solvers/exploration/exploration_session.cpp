@@ -260,6 +260,10 @@ PrecomputeResult ExplorationSession::Impl::result_of(TouchSpace space,
         is_divided ? std::max(report.num_unknowns, count) : report.num_unknowns + count;
   }
   for (const SpaceBody& body : bodies) {
+    const bool is_touched =
+        std::any_of(spaces.begin(), spaces.end(),
+                    [&](const PlannedSpace& space) { return space.setup.body == body.number; });
+    if (is_divided && !is_touched) continue;
     const Index count = body.mesh().num_cells();
     report.num_cells = is_divided ? std::max(report.num_cells, count) : report.num_cells + count;
   }

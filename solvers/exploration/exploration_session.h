@@ -57,8 +57,7 @@ class ExplorationSession {
   /// Opens the record, and plans the tool spaces. Call begin_exploration() instead, which checks
   /// the options.
   /// @param bodies At least one; a tool presses all of them, or their regions. If there is a file
-  /// that has some of
-  ///   them already, they are in the order of the file.
+  ///   that has some of them already, they are in the order of the file.
   /// @param communicator The ranks that lead a solve. It must outlive the session.
   /// @param make_solver Makes the solver of a body on this rank; null: a solver without
   ///   factorisation.

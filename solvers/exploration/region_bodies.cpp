@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "assembly/loaded_faces.h"
@@ -18,7 +19,9 @@
 #include "discretisation/mesh_error_estimate.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/tangent_solver.h"
+#include "equilibrium/work.h"
 #include "exploration/plan_spaces.h"
+#include "exploration/settle.h"
 #include "exploration/state_solver.h"
 #include "exploration/transfer.h"
 #include "interaction/mesh_error.h"
@@ -36,9 +39,17 @@ constexpr double kTouchesOfTool = 1.2;
 /// The longest edge of a face of the body that is shown, in half-widths of the tool. A face of
 /// quadratic cells is shown as four triangles.
 constexpr double kShownEdgeOfTool = 1;
-/// The shown body is not divided beyond this.
-constexpr Index kMostShownCells = 60000;
-constexpr double kShownGrowth = 4;
+/// A shown body with more cells than this is not divided any further.
+constexpr Index kMostShownCells = 15000;
+/// The same without a rigid tool, as a share of the size of the body, where the tip is a point.
+constexpr double kShownEdgeOfBody = 0.05;
+
+/// Centres that differ by less than this share of the size are one: under loads the body at rest,
+/// on which they lie, may differ in rounding.
+constexpr double kSameCentre = 1e-5;
+
+/// The least time between two questions whether to go on, s.
+constexpr double kSecondsOfQuestion = 0.2;
 
 /// The error of the mesh is many orders above that of the solver.
 constexpr double kSolverTolerance = 1e-8;
@@ -65,6 +76,12 @@ struct Wanted {
 bool has_rigid_tool(const PrecomputeOptions& options) { return options.contact.has_value(); }
 
 void check(const Scene& scene, const PrecomputeOptions& options, const RegionOptions& regions) {
+  validate(options);
+  if (options.ranks_per_solve > 1) {
+    throw InputError("The ranks per solve (RanksPerSolve) are " +
+                     std::to_string(options.ranks_per_solve) +
+                     "; for an organ with several meshes there can be 1 alone.");
+  }
   if (scene.body.mesh.order == ElementOrder::linear) {
     throw InputError(
         "The body has linear cells, whose error cannot be estimated. Choose quadratic cells where "
@@ -182,6 +199,8 @@ std::vector<Wanted> wanted_nodes(const Scene& scene, const SettledBody& at_rest,
   if (nodes.empty() && !has_rigid_tool(options)) {
     for (const Place& place : places) nodes.push_back(place.point);
   }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   std::vector<Wanted> wanted;
   for (const Index node : nodes) {
     const auto found = std::find_if(places.begin(), places.end(),
@@ -316,7 +335,7 @@ Scene shown_scene(Scene scene, double edge) {
       chosen[cells[f]] = 1;
       is_any = true;
     }
-    if (!is_any || mesh.num_cells() > kMostShownCells / kShownGrowth) return scene;
+    if (!is_any || mesh.num_cells() > kMostShownCells) return scene;
     const Refinement finer = refine(mesh, chosen);
     scene = refined(scene, finer);
   }
@@ -348,22 +367,23 @@ std::vector<BodyOfRun> stored_bodies(const std::filesystem::path& path) {
 struct Made {
   std::vector<std::vector<char>> chosen;
   double error = 0;
+  bool is_known = true;
   std::int64_t end = 0;
 
   template <class Visit>
   friend void for_each_part(Made& made, Visit&& visit) {
     visit(made.chosen);
     visit(made.error);
+    visit(made.is_known);
     visit(made.end);
   }
 };
 
-/// The largest error that the estimates of the last mesh allow.
-double largest_error(const AdaptedMesh& adapted, bool is_corrected) {
-  const AdaptationRound& last = adapted.rounds.back();
+/// The largest error that the estimates allow at the touches of which it is known.
+double largest_error(const AdaptationRound& last, bool is_corrected) {
   double largest = 0;
   for (std::size_t i = 0; i < last.errors.size(); ++i) {
-    if (last.is_known[i] == 0) return kNaN;
+    if (last.is_known[i] == 0) continue;
     const double most = (is_corrected ? kMostOfCorrected : kMostOfEstimate) * last.errors[i];
     largest = std::max(largest, std::fmax(most, last.changes[i]));
   }
@@ -393,13 +413,24 @@ class MeshMaker {
   MeshMaker(const Scene& scene, const PrecomputeOptions& options, const RegionOptions& regions)
       : scene_(scene), options_(options), regions_(regions) {}
 
-  [[nodiscard]] Made make(const Wanted& wanted) const {
+  /// @param go_on Whether to go on; it is asked now and then.
+  [[nodiscard]] Made make(const Wanted& wanted, const std::function<bool()>& go_on) const {
+    PrecomputeOptions options = options_;
+    bool is_aborted = !go_on();
+    auto asked = SteadyClock::now();
+    options.equilibrium.abort_requested = [&] {
+      if (!is_aborted && seconds_since(asked) > kSecondsOfQuestion) {
+        is_aborted = !go_on();
+        asked = SteadyClock::now();
+      }
+      return is_aborted;
+    };
     AdaptationOptions adaptation;
     adaptation.tolerance = regions_.tolerance;
     adaptation.max_cells = regions_.max_cells;
     adaptation.touches_again = false;
     adaptation.is_corrected = wanted.node < 0 && options_.estimate_mesh_error;
-    Toucher toucher(wanted, options_, scene_);
+    Toucher toucher(wanted, options, scene_);
     const AdaptedMesh adapted = adapt_mesh(
         scene_, adaptation,
         [&](const Scene& on, const MeshHints& hints) { return toucher.touch(on, hints); });
@@ -408,7 +439,10 @@ class MeshMaker {
           "The meshes of the regions were not made to the end, since the run was "
           "aborted.");
     }
-    return {adapted.chosen, largest_error(adapted, adaptation.is_corrected),
+    const AdaptationRound& last = adapted.rounds.back();
+    const bool is_known = std::all_of(last.is_known.begin(), last.is_known.end(),
+                                      [](char known) { return known != 0; });
+    return {adapted.chosen, largest_error(last, adaptation.is_corrected), is_known,
             static_cast<std::int64_t>(adapted.end)};
   }
   /// The scene on the mesh that was made.
@@ -426,50 +460,128 @@ class MeshMaker {
   const RegionOptions& regions_;
 };
 
+/// The width of what touches the body, by which the faces that are shown are chosen, m. It does not
+/// depend on what may change from one run of a file to the next.
+double shown_width(const Scene& scene, const PrecomputeOptions& options) {
+  if (has_rigid_tool(options)) return half_width(with_defaults(options.contact->tool, scene));
+  if (options.tip_radius > 0) return options.tip_radius;
+  Eigen::AlignedBox3d box;
+  for (const Vec3& point : scene.body.mesh.points) box.extend(point);
+  return kShownEdgeOfBody * box.diagonal().norm();
+}
+
+/// Whether two regions are one, but for rounding.
+bool is_same(const MeshRegion& a, const MeshRegion& b) {
+  const double size = std::max({a.size, a.centre.norm(), b.centre.norm()});
+  return std::tie(a.band, a.size, a.tolerance) == std::tie(b.band, b.size, b.tolerance) &&
+         (a.centre - b.centre).norm() <= kSameCentre * size;
+}
+
+/// Puts the bodies of a file behind the one that is shown, since they keep their numbers.
+/// @throws InputError they are those of another organ, or were made by other options.
+void take_stored(const std::vector<BodyOfRun>& stored, const std::filesystem::path& path,
+                 const std::vector<Wanted>& wanted, DividedOrgan& organ) {
+  if (stored.empty()) return;
+  if (hash(*stored.front().scene) != hash(*organ.bodies.front().scene)) {
+    throw InputError(
+        quoted(path) +
+        " holds the state space of another scene: something of mesh, material, "
+        "boundary, loads or tool differs. Give another file name, or restore the scene "
+        "it was made for.");
+  }
+  for (std::size_t b = 1; b < stored.size(); ++b) {
+    const BodyOfRun& body = stored[b];
+    organ.bodies.push_back(body);
+    RegionMesh& mesh = organ.meshes.emplace_back();
+    mesh.num_cells = body.scene->body.mesh.num_cells();
+    mesh.error = kNaN;
+    mesh.was_in_file = true;
+    // What says which region it is for may be damaged: then it is found by its mesh.
+    if (!body.region) continue;
+    mesh.region = *body.region;
+    for (const Wanted& each : wanted) {
+      const MeshRegion& region = each.region;
+      const bool is_of_node = region.band == 0;
+      if (is_of_node != (mesh.region.band == 0)) continue;
+      if (region.tolerance == mesh.region.tolerance && region.size == mesh.region.size) continue;
+      throw InputError(quoted(path) + " has meshes that were made for a MeshTolerance of " +
+                       quantity(mesh.region.tolerance, "") +
+                       (is_of_node ? "" : " and regions of " + quantity(mesh.region.size, "m")) +
+                       "; asked for was " + quantity(region.tolerance, "") +
+                       (is_of_node ? "" : " and " + quantity(region.size, "m")) +
+                       ". Give another file name, or those values (MeshTolerance, RegionSize).");
+    }
+  }
+}
+
+/// Adds the body of a mesh that was made.
+void add_body(const Wanted& wanted, const Made& made, std::shared_ptr<const Scene> scene,
+              DividedOrgan& organ) {
+  // A file knows a body by its mesh, and each region has a body of its own.
+  for (;;) {
+    const std::string own = hash(*scene);
+    const auto same = std::find_if(organ.bodies.begin(), organ.bodies.end(),
+                                   [&](const BodyOfRun& body) { return hash(*body.scene) == own; });
+    if (same == organ.bodies.end()) break;
+    if (same != organ.bodies.begin() && !same->region) {
+      same->region = wanted.region;
+      if (wanted.node >= 0) same->active_nodes = {wanted.node};
+      return;
+    }
+    scene = std::make_shared<const Scene>(finer_at(*scene, wanted.region.centre));
+  }
+  BodyOfRun& body = organ.bodies.emplace_back();
+  body.scene = std::move(scene);
+  body.region = wanted.region;
+  if (wanted.node >= 0) body.active_nodes = {wanted.node};
+  organ.meshes.push_back({wanted.region, body.scene->body.mesh.num_cells(),
+                          static_cast<Index>(wanted.touches.size()), made.error, made.is_known,
+                          static_cast<AdaptationEnd>(made.end), false});
+}
+
 }  // namespace
 
-DividedOrgan divide_organ(const std::shared_ptr<const Scene>& scene,
-                          const PrecomputeOptions& options, const RegionOptions& regions,
-                          Communicator& communicator, const DivisionProgress& progress) {
-  DividedOrgan organ;
+DividedOrgan divide_organ(const std::shared_ptr<const Scene>& scene, const PrecomputeOptions& asked,
+                          const RegionOptions& regions, Communicator& communicator,
+                          const DivisionProgress& progress) {
+  PrecomputeOptions options = asked;
+  options.equilibrium.threads = num_threads(communicator, asked.equilibrium.threads);
+  agree(communicator, [&] { check(*scene, options, regions); });
+  SettledBody at_rest;
+  if (scene->has_load()) {
+    std::optional<EquilibriumSolver> solver;
+    agree(communicator, [&] {
+      solver.emplace(*scene, options.equilibrium,
+                     choose_tangent_solver(*scene, options.equilibrium.threads));
+    });
+    at_rest = settle(*scene, *solver, {}, communicator);
+  }
   std::vector<Wanted> wanted;
   std::vector<BodyOfRun> stored;
+  DividedOrgan organ;
+  // Opening a file recovers what a killed run has left in it, which one rank does.
+  for (const bool is_turn_of_first : {true, false}) {
+    agree(communicator, [&] {
+      if ((communicator.rank() == 0) == is_turn_of_first) stored = stored_bodies(options.file);
+    });
+  }
   agree(communicator, [&] {
     with_memory("to divide the organ into regions", [&] {
-      check(*scene, options, regions);
-      SettledBody at_rest;
-      if (scene->has_load()) {
-        const EquilibriumSolver solver(*scene, options.equilibrium,
-                                       choose_tangent_solver(*scene, options.equilibrium.threads));
-        require_rest(solver);
-        at_rest = {solver.settled().u, solver.settled().p};
-      }
       if (has_rigid_tool(options)) wanted = wanted_regions(*scene, at_rest, options, regions);
       const std::vector<Wanted> nodes = wanted_nodes(*scene, at_rest, options, regions);
       wanted.insert(wanted.end(), nodes.begin(), nodes.end());
-      stored = stored_bodies(options.file);
-      const double width = has_rigid_tool(options)
-                               ? half_width(with_defaults(options.contact->tool, *scene))
-                               : std::max(options.tip_radius, options.half_width);
-      organ.bodies.push_back(
-          {std::make_shared<const Scene>(shown_scene(*scene, kShownEdgeOfTool * width)), {}, {}});
+      organ.bodies.push_back({std::make_shared<const Scene>(shown_scene(
+                                  *scene, kShownEdgeOfTool * shown_width(*scene, options))),
+                              {},
+                              {}});
+      take_stored(stored, options.file, wanted, organ);
     });
   });
-  // The bodies of a file keep their numbers.
-  if (stored.size() > 1) organ.bodies.insert(organ.bodies.end(), stored.begin() + 1, stored.end());
-  organ.meshes.resize(organ.bodies.size() - 1);
-  for (std::size_t b = 1; b < organ.bodies.size(); ++b) {
-    RegionMesh& mesh = organ.meshes[b - 1];
-    if (organ.bodies[b].region) mesh.region = *organ.bodies[b].region;
-    mesh.num_cells = organ.bodies[b].scene->body.mesh.num_cells();
-    mesh.error = kNaN;
-    mesh.was_in_file = true;
-  }
   std::vector<const Wanted*> missing;
   for (const Wanted& each : wanted) {
-    const auto known =
-        std::find_if(organ.bodies.begin() + 1, organ.bodies.end(),
-                     [&](const BodyOfRun& body) { return body.region == each.region; });
+    const auto known = std::find_if(
+        organ.bodies.begin() + 1, organ.bodies.end(),
+        [&](const BodyOfRun& body) { return body.region && is_same(*body.region, each.region); });
     if (known == organ.bodies.end()) {
       missing.push_back(&each);
     } else if (each.node >= 0) {
@@ -478,45 +590,23 @@ DividedOrgan divide_organ(const std::shared_ptr<const Scene>& scene,
   }
 
   const MeshMaker maker(*scene, options, regions);
-  std::vector<Made> made(missing.size());
-  const auto is_mine = [&](std::size_t i) {
-    return static_cast<int>(i) % communicator.size() == communicator.rank();
-  };
   Packer mine;
   agree(communicator, [&] {
     with_memory("to make the meshes of the regions", [&] {
-      for (std::size_t i = 0; i < missing.size(); ++i) {
-        if (!is_mine(i)) continue;
-        if (!progress(i, missing.size())) {
-          throw InputError(
-              "The meshes of the regions were not made to the end, since the run was "
-              "aborted.");
-        }
-        mine.put(maker.make(*missing[i]));
+      for (std::size_t i = static_cast<std::size_t>(communicator.rank()); i < missing.size();
+           i += static_cast<std::size_t>(communicator.size())) {
+        mine.put(maker.make(*missing[i], [&] { return progress(i, missing.size()); }));
       }
     });
   });
   const std::vector<Bytes> all = communicator.all_gather(mine.take());
   agree(communicator, [&] {
     with_memory("to make the meshes of the regions", [&] {
-      std::set<std::string> hashes;
-      for (const BodyOfRun& body : organ.bodies) hashes.insert(hash(*body.scene));
       std::vector<Unpacker> of_ranks;
       for (const Bytes& bytes : all) of_ranks.emplace_back(bytes);
       for (std::size_t i = 0; i < missing.size(); ++i) {
-        const Wanted& each = *missing[i];
-        const auto made_by = of_ranks[i % of_ranks.size()].take<Made>();
-        BodyOfRun& body = organ.bodies.emplace_back();
-        body.scene = maker.scene_of(made_by);
-        // A file knows a body by its mesh, and each region has a body of its own.
-        while (!hashes.insert(hash(*body.scene)).second) {
-          body.scene = std::make_shared<const Scene>(finer_at(*body.scene, each.region.centre));
-        }
-        body.region = each.region;
-        if (each.node >= 0) body.active_nodes = {each.node};
-        organ.meshes.push_back({each.region, body.scene->body.mesh.num_cells(),
-                                static_cast<Index>(each.touches.size()), made_by.error,
-                                static_cast<AdaptationEnd>(made_by.end), false});
+        const auto made = of_ranks[i % of_ranks.size()].take<Made>();
+        add_body(*missing[i], made, maker.scene_of(made), organ);
       }
     });
   });

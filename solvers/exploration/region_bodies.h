@@ -30,9 +30,11 @@ struct RegionMesh {
   MeshRegion region;
   Index num_cells = 0;
   Index num_touches = 0;
-  /// The largest error that the estimates allow, as a share of the force; NaN: it is not known
-  /// somewhere, or the mesh was in the file.
+  /// The largest error that the estimates allow at a touch of which it is known, as a share of the
+  /// force; NaN: the mesh was in the file.
   double error = 0;
+  /// Whether it is known at all touches.
+  bool is_known = true;
   AdaptationEnd end = AdaptationEnd::reached;
   bool was_in_file = false;
 };

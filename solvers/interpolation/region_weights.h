@@ -43,9 +43,11 @@ class RegionWeights {
   /// @note Realtime-safe.
   template <class Visit>
   void visit(const Vec3& x, Visit&& visit) const noexcept {
-    this->visit(x, [](int /*region*/) { return true; }, visit);
+    this->visit(
+        x, [](int /*region*/) { return true; }, visit);
   }
-  /// Does the same with the regions for which counts(region) holds alone, whose weights add up to 1.
+  /// Does the same with the regions for which counts(region) holds alone, whose weights add up
+  /// to 1.
   template <class Counts, class Visit>
   void visit(const Vec3& x, Counts&& counts, Visit&& visit) const noexcept {
     const int first = nearest(x);

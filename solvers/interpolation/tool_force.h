@@ -8,8 +8,8 @@
 // has no jump between two regions, and does no work around a closed loop. Π_i ∇W_i comes from the
 // difference of two meshes alone. It is counted in the bound of the error of the mesh.
 //
-// Where a neighbour has no cell, as in a space that is not complete, its part of the band belongs to
-// the others: the force has a step there, as at any border of what is known.
+// Where a neighbour has no cell, as in a space that is not complete, its part of the band belongs
+// to the others: the force has a step there, as at any border of what is known.
 #pragma once
 
 #include <memory>
@@ -85,9 +85,9 @@ class ToolForce {
     const Place place = parts_[static_cast<std::size_t>(part)].force->locate(x).place;
     return place == Place::cell || place == Place::free;
   }
-  /// Calls visit(weight) for each part that has a weight at a place. If some of them know the place,
-  /// the others, which would continue from far away, are left out: the region of a space that is
-  /// not complete yet ends there, and its neighbour has all the weight.
+  /// Calls visit(weight) for each part that has a weight at a place. If some of them know the
+  /// place, the others, which would continue from far away, are left out: the region of a space
+  /// that is not complete yet ends there, and its neighbour has all the weight.
   template <class Visit>
   void visit_parts(const Vec3& x, Visit&& visit) const noexcept {
     if (!weights_) {
@@ -96,16 +96,18 @@ class ToolForce {
       visit(whole);
       return;
     }
-    const auto known = [&](int part) { return knows(part, x); };
     bool is_any = false;
     bool are_all = true;
     weights_->visit(x, [&](const RegionWeights::Weight& w) {
-      (known(w.region) ? is_any : are_all) = known(w.region);
+      const bool is_known = knows(w.region, x);
+      is_any = is_any || is_known;
+      are_all = are_all && is_known;
     });
     if (are_all || !is_any) {
       weights_->visit(x, visit);
     } else {
-      weights_->visit(x, known, visit);
+      weights_->visit(
+          x, [&](int part) { return knows(part, x); }, visit);
     }
   }
 

@@ -15,7 +15,8 @@ struct MeshRegion {
   Vec3 centre = Vec3::Zero();
   /// The width of the layer in which this region passes into a neighbour, m; 0 for an active node.
   double band = 0;
-  /// The largest distance of centres of regions that was asked for, m; 0 for an active node.
+  /// The largest distance of a place of the surface from the centre of its region, as it was asked
+  /// for, m; 0 for an active node.
   double size = 0;
   /// The largest error of a force that the mesh was to cause, as a share of it.
   double tolerance = 0;

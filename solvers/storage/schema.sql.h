@@ -265,7 +265,8 @@ CREATE TABLE mesh_region (            -- of an organ that is divided: where a to
                                       -- nearest to it
   band          NOT NULL,             -- width of the layer in which a region passes into the next
                                       -- one, m; 0: it is that of an active node
-  size          NOT NULL,             -- distance of centres that was asked for, m
+  size          NOT NULL,             -- largest distance of a place of the surface from the
+                                      -- centre of its region, as it was asked for, m
   tolerance     NOT NULL,             -- error of the force by the mesh that was asked for, a share;
                                       -- the checksum of the tool space takes all of this in
   PRIMARY KEY (scene_id, tool_space_id)

@@ -218,11 +218,44 @@ TEST_F(RegionBodies, GoOnFromTheirFileAndMayBeEnlarged) {
   }
 }
 
+TEST_F(RegionBodies, RefuseAFileOfOtherMeshesOrOfAnotherOrgan) {
+  if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
+  press_from(0.075);
+  options_.file = folder_ / "regions.palpate";
+  progress_ = [](const ProgressState&) { return false; };
+  (void)run(divide());
+  const auto message = [&] { return test::message_of([&] { (void)divide(); }); };
+  EXPECT_EQ(message(), "");
+  regions_.tolerance *= 0.5;
+  EXPECT_NE(message().find("MeshTolerance of 0.1"), std::string::npos) << message();
+  regions_.tolerance *= 2;
+  regions_.size *= 0.8;
+  EXPECT_NE(message().find("RegionSize"), std::string::npos) << message();
+  regions_.size /= 0.8;
+  scene_ = std::make_shared<const Scene>(
+      test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 1}}).scene);
+  EXPECT_NE(message().find("another scene"), std::string::npos) << message();
+}
+
+TEST_F(RegionBodies, OfAHeavyOrganGoOnFromTheirFile) {
+  Rheology rheology;
+  rheology.density = 400;
+  scene_ = std::make_shared<const Scene>(with_gravity(*scene_, {rheology}, Vec3(0, 0, -0.2)));
+  press_from(0.075);
+  options_.file = folder_ / "heavy.palpate";
+  const DividedOrgan organ = divide();
+  progress_ = [](const ProgressState& state) { return state.num_solved < 5; };
+  EXPECT_FALSE(run(organ).report.complete);
+  const DividedOrgan again = divide();
+  ASSERT_EQ(again.bodies.size(), organ.bodies.size());
+  for (const RegionMesh& mesh : again.meshes) EXPECT_TRUE(mesh.was_in_file);
+}
+
 TEST_F(RegionBodies, GiveEachActiveNodeAMeshOfItsOwn) {
   if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
   const Block block = test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 2}});
   options_.contact.reset();
-  options_.active_nodes = {block.corner, block.middle};
+  options_.active_nodes = {block.corner, block.middle, block.corner};
   options_.tip_radius = 0.02;
   options_.half_width = 0.003;
   options_.resolution = 3;
@@ -239,8 +272,9 @@ TEST_F(RegionBodies, GiveEachActiveNodeAMeshOfItsOwn) {
   const PrecomputeResult result = precompute(organ.bodies, options_, *alone, {});
   EXPECT_TRUE(result.report.complete);
   ASSERT_EQ(result.space.tool_spaces.size(), 2U);
-  EXPECT_NE(result.space.find({block.corner, 2}), nullptr);
-  EXPECT_NE(result.space.find({block.middle, 3}), nullptr);
+  const auto [first, second] = std::minmax(block.corner, block.middle);
+  EXPECT_NE(result.space.find({first, 2}), nullptr);
+  EXPECT_NE(result.space.find({second, 3}), nullptr);
   const DividedOrgan again = divide_alone();
   EXPECT_TRUE(again.meshes[0].was_in_file && again.meshes[1].was_in_file);
   EXPECT_EQ(precompute(again.bodies, options_, *alone, {}).report.num_solved, 0);
@@ -262,7 +296,11 @@ TEST_F(RegionBodies, RefuseWhatMakesNoSense) {
   EXPECT_NE(message().find("RegionSize"), std::string::npos) << message();
   regions_.size = 0.04;
   options_.contact->shell.depth = 0;
+  options_.force_limit = 1;
   EXPECT_NE(message().find("Depth"), std::string::npos) << message();
+  options_.ranks_per_solve = 2;
+  EXPECT_NE(message().find("RanksPerSolve"), std::string::npos) << message();
+  options_.ranks_per_solve = 1;
   options_.contact->shell.depth = 0.004;
   options_.contact->shell.region = [](const Vec3&) { return false; };
   EXPECT_NE(message().find("nothing to press"), std::string::npos) << message();

@@ -213,6 +213,27 @@ TEST_F(ToolForceOfRegions, TellsWhatTheTransitionAdds) {
               2e-3 * between.force.norm());
 }
 
+TEST_F(ToolForceOfRegions, IsThatOfItsNeighbourWhereARegionIsNotExplored) {
+  // Of the second region only what is far from the border is known.
+  std::vector<ConfigurationSummary>& all = spaces_[1].configurations;
+  const double border = grid_.origin.x();
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](const ConfigurationSummary& c) { return c.t.x() < border + 0.025; }),
+            all.end());
+  without_modes(spaces_[1]);
+  const ToolForce force(both(), Method::energy_hermite);
+  const auto alone = make_interpolator(Method::energy_hermite, spaces_[0]);
+  for (double aside = -0.01; aside < 0.0055; aside += 0.0005) {
+    const TouchResult at = force.evaluate(pressed(aside));
+    EXPECT_EQ(at.force, alone->evaluate(pressed(aside)).force) << aside;
+    EXPECT_EQ(at.support, Support::inside);
+    EXPECT_TRUE(force.has_cell(pressed(aside)));
+  }
+  // Beyond the band nothing knows the place, and it says so.
+  EXPECT_EQ(force.evaluate(pressed(0.009)).support, Support::extrapolated);
+  EXPECT_FALSE(force.has_cell(pressed(0.009)));
+}
+
 TEST_F(ToolForceOfRegions, GrowsAsIfItWereMadeAnew) {
   std::vector<TouchToolSpace> part = spaces_;
   std::vector<ConfigurationSummary>& some = part[1].configurations;
