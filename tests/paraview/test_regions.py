@@ -128,7 +128,8 @@ def main():
     assert field(fetch_space(again)["Configurations"], "MeshSeconds")[0] < 10
 
     expect_error(space_of(body, MeshTolerance=0).UpdatePipeline, "another scene")
-    expect_error(space_of(body, FileName="", Depth=0).UpdatePipeline, "Depth", "MeshTolerance")
+    expect_error(space_of(body, FileName="", Depth=0, ForceLimit=5).UpdatePipeline, "Depth",
+                 "MeshTolerance")
     block = MergeBlocks(Input=ExtractBlock(Input=space, Selectors=[f"/Root/Body{bodies[0]}"]),
                         MergePoints=0)
     assert places(servermanager.Fetch(block)).shape[1] == 3
