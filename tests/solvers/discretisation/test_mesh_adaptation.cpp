@@ -217,7 +217,8 @@ TEST(MeshAdaptation, LeavesATouchThatIsExactEnoughAndOneThatIsNeverKnown) {
     return touches;
   };
   const AdaptedMesh adapted = adapt_mesh(make_pressed_block(), options, touch);
-  EXPECT_EQ(meshes, 5) << "the third one does not end it";
+  // After the fifth mesh the force less its error has changed, so that there is one more.
+  EXPECT_EQ(meshes, 6) << "the third touch does not end it";
   EXPECT_EQ(adapted.end, AdaptationEnd::not_known);
   EXPECT_EQ(adapted.rounds.back().is_given_up, (std::vector<char>{0, 0, 1}));
   EXPECT_DOUBLE_EQ(adapted.rounds.back().errors[0], adapted.rounds.front().errors[0]);
