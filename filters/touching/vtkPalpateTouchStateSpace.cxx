@@ -158,11 +158,12 @@ Eigen::VectorXf BySurfaceModes(
 /// The parts of a body that need more than the surface.
 struct WholeBodyOf
 {
+  /// @param first The first body of the space.
   /// @param toolSpace The tool space on this body whose tool presses; null: there is none.
-  WholeBodyOf(
-    const palpate::FieldCache& fields, palpate::BodyId body, const TouchToolSpace* toolSpace)
+  WholeBodyOf(const palpate::FieldCache& fields, const palpate::SpaceBody& first,
+    palpate::BodyId body, const TouchToolSpace* toolSpace)
   {
-    this->Bodies.push_back(fields.read_body(palpate::kFirstBody));
+    this->Bodies.push_back(first);
     if (body != palpate::kFirstBody)
     {
       this->Bodies.push_back(fields.read_body(body));
@@ -267,6 +268,7 @@ struct vtkPalpateTouchStateSpace::Prepared
   int OnBranch = 0;
   /// The whole bodies and their fields, as long as they are asked for.
   std::unique_ptr<palpate::FieldCache> Fields;
+  std::optional<palpate::SpaceBody> FirstBody;
   std::map<palpate::BodyId, WholeBodyOf> WholeBodies;
   /// The reason why there is no whole body, as it was reported.
   std::string Problem;
@@ -408,7 +410,13 @@ void vtkPalpateTouchStateSpace::FindWholeBody(Part& part, const double t[3])
   if (known == cache.WholeBodies.end())
   {
     const TouchToolSpace* pressing = cache.Space.find({ palpate::kContactToolSpace, setup.body });
-    known = cache.WholeBodies.try_emplace(setup.body, *cache.Fields, setup.body, pressing).first;
+    if (!cache.FirstBody)
+    {
+      cache.FirstBody = cache.Fields->read_body(palpate::kFirstBody);
+    }
+    known = cache.WholeBodies
+              .try_emplace(setup.body, *cache.Fields, *cache.FirstBody, setup.body, pressing)
+              .first;
   }
   part.Whole = &known->second;
   WholeBodyOf& whole = *part.Whole;
@@ -570,6 +578,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   if (!needsBody)
   {
     this->Cache->WholeBodies.clear();
+    this->Cache->FirstBody.reset();
     this->Cache->Fields.reset();
   }
   // Touching goes on without this part. As there are many frames a second, the failure is reported
