@@ -150,10 +150,7 @@ void for_each_part(ToolSpaceSetup& setup, Visit&& visit) {
     return;
   }
   if (!setup.region) setup.region.emplace();
-  visit(setup.region->centre);
-  visit(setup.region->band);
-  visit(setup.region->size);
-  visit(setup.region->tolerance);
+  for_each_number_of_mesh_region(*setup.region, visit);
 }
 template <class Visit>
 void for_each_part(TestPoint& point, Visit&& visit) {

@@ -22,6 +22,15 @@ struct MeshRegion {
   double tolerance = 0;
 };
 
+/// Calls visit for each number of a region, in the order in which files and ranks have them.
+template <class Region, class Visit>
+void for_each_number_of_mesh_region(Region& region, Visit&& visit) {
+  visit(region.centre);
+  visit(region.band);
+  visit(region.size);
+  visit(region.tolerance);
+}
+
 [[nodiscard]] inline bool operator==(const MeshRegion& a, const MeshRegion& b) {
   return a.centre == b.centre &&
          std::tie(a.band, a.size, a.tolerance) == std::tie(b.band, b.size, b.tolerance);

@@ -71,15 +71,6 @@ void for_each_number_of_tool_space(Space& space, Visit&& visit, Checked checked 
   visit(policy.depth);
 }
 
-/// Calls visit for each number of the row of a region.
-template <class Region, class Visit>
-void for_each_number_of_mesh_region(Region& region, Visit&& visit) {
-  visit(region.centre);
-  visit(region.band);
-  visit(region.size);
-  visit(region.tolerance);
-}
-
 /// Calls visit for each number of the row of the error of the mesh of a configuration.
 template <class Summary, class Visit>
 void for_each_number_of_mesh_error_row(Summary& c, Visit&& visit) {

@@ -90,7 +90,7 @@ void ToolSpaces::write(const ToolSpace& space) {
   }
   if (space.setup.region) {
     write_optional(kMeshRegion, key, [&](Statement& row) {
-      rows::for_each_number_of_mesh_region(*space.setup.region, rows::Bind{row});
+      for_each_number_of_mesh_region(*space.setup.region, rows::Bind{row});
     });
   }
 }
@@ -132,7 +132,7 @@ std::optional<MeshRegion> ToolSpaces::mesh_region(const ToolSpaceKey& key) const
   if (!select.step()) return std::nullopt;
   MeshRegion region;
   bool sound = true;
-  rows::for_each_number_of_mesh_region(region, rows::Take{select, sound});
+  for_each_number_of_mesh_region(region, rows::Take{select, sound});
   if (!sound) region.band = -1;
   return region;
 }
