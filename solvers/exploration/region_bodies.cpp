@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -515,17 +515,17 @@ void take_stored(const std::vector<BodyOfRun>& stored, const std::filesystem::pa
 }
 
 /// Adds the body of a mesh that was made.
+/// @param places The place of each body in the organ, by its hash.
 void add_body(const Wanted& wanted, const Made& made, std::shared_ptr<const Scene> scene,
-              DividedOrgan& organ) {
+              std::map<std::string, std::size_t>& places, DividedOrgan& organ) {
   // A file knows a body by its mesh, and each region has a body of its own.
   for (;;) {
-    const std::string own = hash(*scene);
-    const auto same = std::find_if(organ.bodies.begin(), organ.bodies.end(),
-                                   [&](const BodyOfRun& body) { return hash(*body.scene) == own; });
-    if (same == organ.bodies.end()) break;
-    if (same != organ.bodies.begin() && !same->region) {
-      same->region = wanted.region;
-      if (wanted.node >= 0) same->active_nodes = {wanted.node};
+    const auto [place, is_new] = places.try_emplace(hash(*scene), organ.bodies.size());
+    if (is_new) break;
+    BodyOfRun& same = organ.bodies[place->second];
+    if (place->second > 0 && !same.region) {
+      same.region = wanted.region;
+      if (wanted.node >= 0) same.active_nodes = {wanted.node};
       return;
     }
     scene = std::make_shared<const Scene>(finer_at(*scene, wanted.region.centre));
@@ -602,11 +602,15 @@ DividedOrgan divide_organ(const std::shared_ptr<const Scene>& scene, const Preco
   const std::vector<Bytes> all = communicator.all_gather(mine.take());
   agree(communicator, [&] {
     with_memory("to make the meshes of the regions", [&] {
+      std::map<std::string, std::size_t> places;
+      for (std::size_t b = 0; b < organ.bodies.size(); ++b) {
+        places.emplace(hash(*organ.bodies[b].scene), b);
+      }
       std::vector<Unpacker> of_ranks;
       for (const Bytes& bytes : all) of_ranks.emplace_back(bytes);
       for (std::size_t i = 0; i < missing.size(); ++i) {
         const auto made = of_ranks[i % of_ranks.size()].take<Made>();
-        add_body(*missing[i], made, maker.scene_of(made), organ);
+        add_body(*missing[i], made, maker.scene_of(made), places, organ);
       }
     });
   });
