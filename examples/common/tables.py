@@ -61,11 +61,11 @@ def markdown(rows, columns):
     return "\n".join(lines)
 
 
-def save_table(rows, columns, remarks, folder):
-    """Writes table.csv and table.md, which has the remarks below its rows, and prints the latter.
-    `columns` as those of markdown()."""
+def save_table(rows, columns, remarks, folder, summary=""):
+    """Writes table.csv and table.md, which has the summary above its rows and the remarks below,
+    and prints the latter. `columns` as those of markdown()."""
     save_csv(vtk_table(rows, columns), os.path.join(folder, "table.csv"))
-    text = markdown(rows, columns)
+    text = f"{summary}\n\n" * bool(summary) + markdown(rows, columns)
     if remarks:
         text += "\n\n" + "\n".join(f"- {remark}" for remark in remarks)
     with open(os.path.join(folder, "table.md"), "w", encoding="utf-8") as file:

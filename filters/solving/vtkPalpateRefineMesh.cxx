@@ -6,20 +6,25 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
 
 #include "assembly/loaded_faces.h"
+#include "assembly/refined_scene.h"
 #include "base/error.h"
 #include "base/memory_error.h"
 #include "base/quantity.h"
+#include "discretisation/carried_touches.h"
 #include "discretisation/mesh_adaptation.h"
 #include "discretisation/mesh_error_estimate.h"
 #include "equilibrium/equilibrium.h"
+#include "equilibrium/tangent_solver.h"
 #include "interaction/mesh_error.h"
 #include "interaction/rigid_tool.h"
 #include "interaction/tool_clearance.h"
+#include "mesh/refinement.h"
 #include "vtkDoubleArray.h"
 #include "vtkInformation.h"
 #include "vtkIntArray.h"
@@ -90,7 +95,39 @@ vtkSmartPointer<vtkTable> TableOf(const std::vector<palpate::AdaptationRound>& m
   const int numTouches = static_cast<int>(meshes.front().errors.size());
   add("MeshError", numTouches, error);
   add("Change", numTouches, change);
+  const auto coordinate = [](const std::vector<Eigen::VectorXd>& forces, int component)
+  {
+    const Eigen::VectorXd& force = forces[static_cast<std::size_t>(component / 3)];
+    return force.size() > 0 ? force[component % 3] : std::numeric_limits<double>::quiet_NaN();
+  };
+  add("Force", 3 * numTouches,
+    [&](const auto& mesh, int component) { return coordinate(mesh.forces, component); });
+  add("CorrectedForce", 3 * numTouches,
+    [&](const auto& mesh, int component) { return coordinate(mesh.corrected_forces, component); });
   return table;
+}
+
+/// Writes the body on the last of the meshes that came one from the other.
+/// @param mesh That of the body. @param scene On the last mesh.
+void WriteBody(vtkUnstructuredGrid* body, const palpate::TetMesh& mesh,
+  const std::vector<palpate::Refinement>& refinements, const palpate::Scene& scene,
+  vtkUnstructuredGrid* output)
+{
+  vtkSmartPointer<vtkUnstructuredGrid> grid = body;
+  const palpate::TetMesh* last = &mesh;
+  for (const palpate::Refinement& refinement : refinements)
+  {
+    grid = vtkPalpateRefinedGrid(grid, *last, refinement);
+    last = &refinement.mesh;
+  }
+  output->ShallowCopy(grid);
+  vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, scene.body.fixed);
+  vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, scene.body.touchable);
+  vtkPalpateWriteBoundary(scene, output);
+  if (body->GetPointData()->HasArray(vtkPalpateArray::BoundaryKind))
+  {
+    vtkPalpateAddBoundaryKinds(scene, output);
+  }
 }
 }
 
@@ -103,6 +140,7 @@ struct vtkPalpateRefineMesh::Touches
   palpate::RigidTool Rigid;
   palpate::EquilibriumOptions Options;
   int Threads = 1;
+  std::optional<palpate::CarriedTouches> Carried;
   /// Of each mesh that was solved on.
   std::vector<double> Unknowns;
   std::vector<double> Seconds;
@@ -129,6 +167,16 @@ int vtkPalpateRefineMesh::FillOutputPortInformation(int port, vtkInformation* in
 
 void vtkPalpateRefineMesh::Validate(const palpate::Scene& scene) const
 {
+  if (this->MaximumCells < scene.body.mesh.num_cells())
+  {
+    throw InputError("MaximumCells is " + std::to_string(this->MaximumCells) +
+      ", but the body has " + std::to_string(scene.body.mesh.num_cells()) +
+      " cells already. Raise it, or mesh the body more coarsely.");
+  }
+  if (this->Divide == AllCells)
+  {
+    return;
+  }
   if (!(this->Depth > 0) || !std::isfinite(this->Depth))
   {
     throw InputError("Depth is " + palpate::quantity(this->Depth, "m") +
@@ -140,12 +188,6 @@ void vtkPalpateRefineMesh::Validate(const palpate::Scene& scene) const
     text << "MeshTolerance is " << this->MeshTolerance
          << ". Give the largest error of a force as a share of it, above 0: 0.05 is 5 %.";
     throw InputError(text.str());
-  }
-  if (this->MaximumCells < scene.body.mesh.num_cells())
-  {
-    throw InputError("MaximumCells is " + std::to_string(this->MaximumCells) +
-      ", but the body has " + std::to_string(scene.body.mesh.num_cells()) +
-      " cells already. Raise it, or mesh the body more coarsely.");
   }
   if (scene.body.mesh.order == palpate::ElementOrder::linear)
   {
@@ -202,6 +244,7 @@ void vtkPalpateRefineMesh::PlaceTouches(const palpate::Scene& scene, int threads
   {
     throw InputError("There is no place to press. Choose points of the surface (ActiveNodes).");
   }
+  touches.Carried.emplace(touches.Ends.size());
 }
 
 vtkPalpateToolRoute vtkPalpateRefineMesh::RouteOf(
@@ -213,7 +256,7 @@ vtkPalpateToolRoute vtkPalpateRefineMesh::RouteOf(
 }
 
 std::vector<palpate::TouchOnMesh> vtkPalpateRefineMesh::Touch(
-  const palpate::Scene& scene, Touches& touches) const
+  const palpate::Scene& scene, const palpate::MeshHints& hints, Touches& touches) const
 {
   const auto start = std::chrono::steady_clock::now();
   auto linearSolver = this->MakeLinearSolver(scene, touches.Threads);
@@ -223,25 +266,21 @@ std::vector<palpate::TouchOnMesh> vtkPalpateRefineMesh::Touch(
   for (std::size_t i = 0; i < touches.Ends.size(); ++i)
   {
     const vtkPalpateToolRoute route = this->RouteOf(scene, touches, i);
-    const palpate::Equilibrium state =
-      vtkPalpateFollow(scene, route, follow, touches.Options, solver);
-    if (state.outcome == palpate::Outcome::aborted)
+    solver.set_interaction(*route.Tool);
+    std::optional<palpate::Equilibrium> state =
+      touches.Carried->settle(i, route.End, hints, solver);
+    if (!state)
+    {
+      state = vtkPalpateFollow(scene, route, follow, touches.Options, solver);
+    }
+    if (state->outcome == palpate::Outcome::aborted)
     {
       return {};
     }
-    palpate::TouchOnMesh& touch = result.emplace_back();
-    touch.energy_of_cells.resize(static_cast<std::size_t>(scene.body.mesh.num_cells()), 0);
-    touch.is_known = false;
-    if (state.v.size() > 0)
-    {
-      palpate::MeshErrorEstimate estimate =
-        palpate::MeshErrorEstimator(scene, solver.assembly()).estimate(state, *route.Tool);
-      touch.force = state.reaction;
-      touch.error = estimate.force;
-      touch.is_known = state.outcome == palpate::Outcome::converged && estimate.is_small;
-      touch.energy_of_cells = std::move(estimate.energy_of_cells);
-    }
+    const palpate::MeshErrorEstimator estimator(scene, solver.assembly());
+    result.push_back(touches.Carried->tell(i, &*state, estimator, *route.Tool, scene.body.mesh));
   }
+  touches.Carried->end(scene.body.mesh);
   touches.Unknowns.push_back(solver.assembly().pattern().size);
   touches.Seconds.push_back(
     std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
@@ -255,27 +294,13 @@ void vtkPalpateRefineMesh::Refine(const palpate::Scene& scene, Touches& touches,
   options.tolerance = this->MeshTolerance;
   options.max_cells = this->MaximumCells;
   const palpate::AdaptedMesh adapted = palpate::adapt_mesh(scene, options,
-    [&](const palpate::Scene& on, const palpate::MeshHints&) { return this->Touch(on, touches); });
+    [&](const palpate::Scene& on, const palpate::MeshHints& hints)
+    { return this->Touch(on, hints, touches); });
   if (adapted.end == palpate::AdaptationEnd::stopped)
   {
     throw InputError("The mesh was not refined to its end, since the filter was aborted.");
   }
-
-  vtkSmartPointer<vtkUnstructuredGrid> grid = body;
-  const palpate::TetMesh* mesh = &scene.body.mesh;
-  for (const palpate::Refinement& refinement : adapted.refinements)
-  {
-    grid = vtkPalpateRefinedGrid(grid, *mesh, refinement);
-    mesh = &refinement.mesh;
-  }
-  output->ShallowCopy(grid);
-  vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, adapted.scene.body.fixed);
-  vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, adapted.scene.body.touchable);
-  vtkPalpateWriteBoundary(adapted.scene, output);
-  if (body->GetPointData()->HasArray(vtkPalpateArray::BoundaryKind))
-  {
-    vtkPalpateAddBoundaryKinds(adapted.scene, output);
-  }
+  WriteBody(body, scene.body.mesh, adapted.refinements, adapted.scene, output);
   const palpate::AdaptationRound& last = adapted.rounds.back();
   vtkPalpateAddField<vtkDoubleArray>(output, "MeshError", 1,
     Eigen::Map<const Eigen::VectorXd>(
@@ -286,6 +311,30 @@ void vtkPalpateRefineMesh::Refine(const palpate::Scene& scene, Touches& touches,
       .cast<int>());
   table->ShallowCopy(TableOf(adapted.rounds, touches.Unknowns, touches.Seconds));
   this->WarnOf(adapted);
+}
+
+void vtkPalpateRefineMesh::DivideAll(const palpate::Scene& scene, vtkUnstructuredGrid* body,
+  vtkUnstructuredGrid* output, vtkTable* table)
+{
+  const palpate::TetMesh& mesh = scene.body.mesh;
+  std::vector<palpate::Refinement> refinements;
+  refinements.push_back(
+    palpate::refine(mesh, std::vector<char>(static_cast<std::size_t>(mesh.num_cells()), 1)));
+  const palpate::Index numCells = refinements.back().mesh.num_cells();
+  if (numCells > this->MaximumCells)
+  {
+    throw InputError("The body has " + std::to_string(numCells) +
+      " cells where all are divided, and MaximumCells is " + std::to_string(this->MaximumCells) +
+      ". Raise it.");
+  }
+  const palpate::Scene divided = palpate::refined(scene, refinements.back());
+  WriteBody(body, mesh, refinements, divided, output);
+  const std::vector<palpate::Index> cells = { mesh.num_cells(), numCells };
+  const std::vector<long> unknowns = { palpate::count_unknowns(scene),
+    palpate::count_unknowns(divided) };
+  const auto number = [](auto value, int) { return static_cast<double>(value); };
+  vtkPalpateAddColumn<vtkDoubleArray>(table, "Cells", 1, cells, number);
+  vtkPalpateAddColumn<vtkDoubleArray>(table, "Unknowns", 1, unknowns, number);
 }
 
 void vtkPalpateRefineMesh::WarnOf(const palpate::AdaptedMesh& adapted)
@@ -341,7 +390,7 @@ int vtkPalpateRefineMesh::RequestData(
     {
       scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
       this->Validate(scene);
-      if (this->Tool)
+      if (this->Tool && this->Divide == WhereNeeded)
       {
         touches.Rigid = this->Tool->Describe(surface);
       }
@@ -353,6 +402,11 @@ int vtkPalpateRefineMesh::RequestData(
       palpate::with_memory("to refine the mesh of the body",
         [&]
         {
+          if (this->Divide == AllCells)
+          {
+            this->DivideAll(scene, body, output, rounds);
+            return;
+          }
           this->PlaceTouches(scene, threads, touches);
           this->Refine(scene, touches, body, output, rounds);
         });
@@ -367,7 +421,8 @@ int vtkPalpateRefineMesh::RequestData(
 void vtkPalpateRefineMesh::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Depth: " << this->Depth << " m\n"
+  os << indent << "Divide: " << this->Divide << '\n'
+     << indent << "Depth: " << this->Depth << " m\n"
      << indent << "MeshTolerance: " << this->MeshTolerance << '\n'
      << indent << "MaximumCells: " << this->MaximumCells << '\n';
 }

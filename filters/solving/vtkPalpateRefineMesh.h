@@ -14,8 +14,11 @@
  *                     of the force; the true one is up to palpate::kMostOfEstimate times as large
  *   `MeshErrorKnown`  1, or 0 where there was no equilibrium or the estimate is too large to be one
  *
- * Output port 1: a table with a row a mesh, `Cells`, `Unknowns`, `Seconds`, `LargestMeshError`, and
- * `MeshError` with a component a place.
+ * Where all cells are divided (AllCells), nothing is solved for, and none of this is known.
+ *
+ * Output port 1: a table with a row a mesh, `Cells`, `Unknowns`, `Seconds`, `LargestMeshError`,
+ * `MeshError` and `Change` with a component a place, and with three a place `Force`, N, and
+ * `CorrectedForce`, the same less its estimated error.
  */
 #pragma once
 
@@ -30,6 +33,7 @@ struct vtkPalpateToolRoute;
 namespace palpate
 {
 struct AdaptedMesh;
+struct MeshHints;
 struct Scene;
 struct TouchOnMesh;
 }
@@ -41,6 +45,18 @@ public:
   vtkTypeMacro(vtkPalpateRefineMesh, vtkPalpateSolve);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  enum CellsToDivide
+  {
+    /// As few as MeshTolerance needs.
+    WhereNeeded,
+    /// Each one once, whatever touches the body.
+    AllCells
+  };
+  ///@{
+  /// A CellsToDivide.
+  vtkSetClampMacro(Divide, int, WhereNeeded, AllCells);
+  vtkGetMacro(Divide, int);
+  ///@}
   ///@{
   /// How deep the tool is pressed at each active node, along the normal of the surface, m.
   vtkSetMacro(Depth, double);
@@ -75,11 +91,15 @@ private:
   vtkPalpateToolRoute RouteOf(
     const palpate::Scene& scene, const Touches& touches, std::size_t touch) const;
   /// Solves for all touches on one mesh. @returns Nothing where the filter was aborted.
-  std::vector<palpate::TouchOnMesh> Touch(const palpate::Scene& scene, Touches& touches) const;
+  std::vector<palpate::TouchOnMesh> Touch(
+    const palpate::Scene& scene, const palpate::MeshHints& hints, Touches& touches) const;
   void Refine(const palpate::Scene& scene, Touches& touches, vtkUnstructuredGrid* body,
+    vtkUnstructuredGrid* output, vtkTable* table);
+  void DivideAll(const palpate::Scene& scene, vtkUnstructuredGrid* body,
     vtkUnstructuredGrid* output, vtkTable* table);
   void WarnOf(const palpate::AdaptedMesh& adapted);
 
+  int Divide = WhereNeeded;
   double Depth = 0.005;
   double MeshTolerance = 0.05;
   int MaximumCells = 20000;

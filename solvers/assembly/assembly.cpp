@@ -687,7 +687,7 @@ Assembly::Determinant Assembly::minimum_det_f(const NodalVector& state) const {
   const std::vector<double> of_cells = minimum_det_f_of_cells(state);
   for (Index c = 0; c < data_->num_cells; ++c) {
     if (of_cells[c] <= 0) ++least.num_inverted_cells;
-    if (of_cells[c] < least.value) {
+    if (least.cell < 0 || of_cells[c] < least.value) {
       least.value = of_cells[c];
       least.cell = c;
     }

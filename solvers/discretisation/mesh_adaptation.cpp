@@ -118,11 +118,13 @@ AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
   for (std::size_t i = 0; i < touches.size(); ++i) {
     const TouchOnMesh& touch = touches[i];
     const double force = touch.force.size() > 0 ? touch.force.norm() : 0;
+    round.forces.push_back(touch.force);
+    round.corrected_forces.push_back(touch.force - touch.error);
     round.errors.push_back(force > 0 ? touch.error.norm() / force : kNaN);
     const bool may_compare = force > 0 && !before.empty() && before[i].is_known && touch.is_known;
     round.changes.push_back(
         may_compare
-            ? ((touch.force - touch.error) - (before[i].force - before[i].error)).norm() / force
+            ? (round.corrected_forces[i] - (before[i].force - before[i].error)).norm() / force
             : kNaN);
     round.is_known.push_back(touch.is_known ? 1 : 0);
   }
@@ -131,6 +133,8 @@ AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
 
 /// Takes over what was found for a touch on the mesh before.
 void keep(const AdaptationRound& before, std::size_t touch, AdaptationRound& now) {
+  now.forces[touch] = before.forces[touch];
+  now.corrected_forces[touch] = before.corrected_forces[touch];
   now.errors[touch] = before.errors[touch];
   now.changes[touch] = before.changes[touch];
   now.is_known[touch] = before.is_known[touch];

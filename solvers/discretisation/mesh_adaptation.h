@@ -42,6 +42,10 @@ struct AdaptationOptions {
 
 struct AdaptationRound {
   Index num_cells = 0;
+  /// The force of each touch and the same less its estimated error [d], N; empty where the touch
+  /// has no equilibrium.
+  std::vector<Eigen::VectorXd> forces;
+  std::vector<Eigen::VectorXd> corrected_forces;
   /// The estimated error of each touch as a share of its force; NaN where it has no equilibrium.
   std::vector<double> errors;
   /// By how much the force less its error differs from that on the mesh before, as a share; NaN for

@@ -192,6 +192,8 @@ class EquilibriumSolver::Impl {
                                      const Progress& progress);
   /// Follows the path, around its folds, to t. If this fails, the state of progress is unchanged.
   Outcome follow(const Eigen::VectorXd& t, Progress& progress);
+  /// Finds the least det F of a state, and the cell that has it.
+  void find_worst_cell(Equilibrium& state) const;
   /// The message about a solve that has done the share `way` of the distance to t.
   [[nodiscard]] std::string explain_end(const Equilibrium& state, const Eigen::VectorXd& t,
                                         double way);
@@ -487,6 +489,16 @@ Fold EquilibriumSolver::Impl::jump(const Equilibrium& from, const Equilibrium& t
   return {way, from.t, from.energy, from.reaction, true, to.energy, to.reaction};
 }
 
+void EquilibriumSolver::Impl::find_worst_cell(Equilibrium& state) const {
+  const Assembly& assembly = system_.assembly();
+  NodalVector x = NodalVector::Zero(assembly.state_size());
+  x.head(state.u.size()) = state.u;
+  const Assembly::Determinant least = assembly.minimum_det_f(x);
+  state.minimum_det_f = least.value;
+  state.minimum_det_f_cell = least.cell;
+  state.num_inverted_cells = least.num_inverted_cells;
+}
+
 std::string EquilibriumSolver::Impl::explain_end(const Equilibrium& state, const Eigen::VectorXd& t,
                                                  double way) {
   std::string text = explain(system_, state, t, way);
@@ -576,6 +588,8 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   state.third_derivative.resize(0);  // that of the start
   if (tangent != Tangent::rough) add_third_derivative(state);
   state.summary.seconds = seconds_since(start_);
+  // A start that was read from a file does not tell it.
+  if (state.minimum_det_f_cell < 0) find_worst_cell(state);
   state.summary.message =
       is_mobile(outcome, state) ? explain_singular(system_) : explain_end(state, t, progress.way);
   return std::move(progress.state);

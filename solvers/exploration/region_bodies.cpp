@@ -16,6 +16,7 @@
 #include "base/memory_error.h"
 #include "base/printable.h"
 #include "base/quantity.h"
+#include "discretisation/carried_touches.h"
 #include "discretisation/mesh_error_estimate.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/tangent_solver.h"
@@ -224,7 +225,7 @@ std::vector<Wanted> wanted_nodes(const Scene& scene, const SettledBody& at_rest,
 class Toucher {
  public:
   Toucher(const Wanted& wanted, const PrecomputeOptions& options, const Scene& first)
-      : wanted_(wanted), options_(options), found_(wanted.touches.size()) {
+      : wanted_(wanted), options_(options), touches_(wanted.touches.size()) {
     if (has_rigid_tool(options)) tool_ = with_defaults(options.contact->tool, first);
   }
 
@@ -255,46 +256,28 @@ class Toucher {
     const std::unique_ptr<Interaction> tool = tools.make(setup.interaction);
     std::vector<TouchOnMesh> result;
     for (std::size_t i = 0; i < wanted_.touches.size(); ++i) {
-      TouchOnMesh& touch = result.emplace_back();
-      touch.is_known = false;
-      if (!hints.needed.empty() && hints.needed[i] == 0) continue;
-      const std::optional<Equilibrium> state =
-          solve(solver, states, setup, wanted_.touches[i], carried_state(i, hints));
-      found_[i] = {};
+      if (!hints.needed.empty() && hints.needed[i] == 0) {
+        result.emplace_back();
+        continue;
+      }
+      const Vec3& t = wanted_.touches[i];
+      states.take(setup);
+      std::optional<Equilibrium> state = touches_.settle(i, t, hints, solver);
+      if (!state) state = follow(states, setup, t);
       if (state && state->outcome == Outcome::aborted) return {};
-      touch.energy_of_cells.resize(static_cast<std::size_t>(scene.body.mesh.num_cells()), 0);
-      if (!state || state->v.size() == 0) continue;
-      MeshErrorEstimate estimate = estimator.estimate(*state, *tool);
-      touch.force = state->reaction;
-      touch.error = estimate.force;
-      touch.is_known = state->outcome == Outcome::converged && estimate.is_small;
-      touch.energy_of_cells = std::move(estimate.energy_of_cells);
-      if (touch.is_known) found_[i] = state->u;
+      result.push_back(
+          touches_.tell(i, state ? &*state : nullptr, estimator, *tool, scene.body.mesh));
     }
-    mesh_ = scene.body.mesh;
+    touches_.end(scene.body.mesh);
     return result;
   }
 
  private:
-  /// The displacement of a touch on the mesh before, on this one; empty where it is not known.
-  [[nodiscard]] NodalVector carried_state(std::size_t i, const MeshHints& hints) const {
-    if (hints.refinement == nullptr || found_[i].size() == 0) return {};
-    return carried(mesh_, *hints.refinement, found_[i]);
-  }
-  /// @param near A displacement near the equilibrium; empty: there is none.
-  /// @returns Nothing: no way leads to the place.
-  [[nodiscard]] std::optional<Equilibrium> solve(EquilibriumSolver& solver,
-                                                 InteractionSolver& states,
-                                                 const ToolSpaceSetup& setup, const Vec3& t,
-                                                 const NodalVector& near) const {
-    if (near.size() > 0) {
-      Equilibrium start;
-      start.t = t;
-      start.u = near;
-      states.take(setup);
-      Equilibrium found = solver.settle(start);
-      if (found.outcome == Outcome::converged) return found;
-    }
+  /// The equilibrium at the end of a way from where the tool touches nothing; nothing: there is no
+  /// way.
+  [[nodiscard]] std::optional<Equilibrium> follow(InteractionSolver& states,
+                                                  const ToolSpaceSetup& setup,
+                                                  const Vec3& t) const {
     try {
       if (wanted_.node < 0) return states.begin(setup, t, Tangent::iterated);
       const Equilibrium rest = states.begin(setup, Vec3::Zero(), Tangent::factorised);
@@ -307,10 +290,7 @@ class Toucher {
   const Wanted& wanted_;
   const PrecomputeOptions& options_;
   RigidTool tool_;
-  /// The mesh before, and the displacement of each touch on it that was found and has a small
-  /// error.
-  TetMesh mesh_;
-  std::vector<NodalVector> found_;
+  CarriedTouches touches_;
 };
 
 /// The mesh whose surface is shown: its faces are small enough to show what the tool does.

@@ -175,7 +175,7 @@ void print_stays(const TouchSpace& space, const std::shared_ptr<const Touchable>
 
 void run(const std::string& file, int slides) {
   const TouchSpace space = make_touch_space_without_modes(StateSpaceFile::open_read_only(file));
-  const TouchToolSpace* tool = space.find({kContactToolSpace});
+  const TouchToolSpace* tool = space.find_pressing();
   if (tool == nullptr) throw InputError(file + " has no space of a rigid tool.");
   const auto body = std::make_shared<const Touchable>(space);
   const PassivityFigures figures = passivity_figures(*tool);

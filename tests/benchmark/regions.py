@@ -28,6 +28,7 @@ parser.add_argument("--spacing", type=float, default=0.006, help="m")
 parser.add_argument("--mesh-tolerance", type=float, default=0.05)
 parser.add_argument("--region-size", type=float, default=0.0, help="m")
 parser.add_argument("--maximum-cells", type=int, default=6000)
+parser.add_argument("--maximum-seconds", type=float, default=0.0, help="for one solve")
 parser.add_argument("--truth", type=float, default=0.02)
 arguments = parser.parse_args()
 is_first = vtkMultiProcessController.GetGlobalController().GetLocalProcessId() == 0
@@ -65,7 +66,7 @@ space = ball(PrecomputeStateSpace(
     Input=scene, FileName=arguments.file, Keep="Touch", Depth=arguments.depth,
     Spacing=arguments.spacing, MeshTolerance=arguments.mesh_tolerance, LogInterval=60,
     RegionSize=arguments.region_size, MaximumCells=arguments.maximum_cells,
-    MaximumConfigurations=1000000), arguments)
+    MaximumConfigurations=1000000, MaximumSeconds=arguments.maximum_seconds), arguments)
 start = time.time()
 space.UpdatePipeline()
 output = servermanager.Fetch(space, 0)

@@ -135,11 +135,11 @@ def check_a_surface_that_crosses_itself():
     assert all(os.path.exists(os.path.join("stl", name)) for name in PICTURES)
 
 
-def discretisation(ranks, *arguments):
+def elements(ranks, *arguments):
     """The rows of the report, and its force by element and tip on the coarsest mesh."""
-    folder = f"discretisation_{ranks}"
+    folder = f"elements_{ranks}"
     done = run(ranks, *arguments, "--finer-linear", "--fine-tip", "0.12", "--tip-radius", "0.018",
-               "--output", folder, example="discretisation")
+               "--output", folder, example="discretisation", script="elements")
     assert done.returncode == 0, done.stderr
     rows = rows_of(os.path.join(folder, "table.csv"))
     assert {row["outcome"] for row in rows} == {"converged"}, rows
@@ -151,9 +151,9 @@ def discretisation(ranks, *arguments):
                   if row["law"] == "Neo-Hookean" and row["edge (mm)"].startswith("25")}
 
 
-def check_discretisation():
-    """@returns the forces, as discretisation()."""
-    rows, force = discretisation(1, "--edges", "0.12", "0.09", "--laws", "Neo-Hookean",
+def check_elements():
+    """@returns the forces, as elements()."""
+    rows, force = elements(1, "--edges", "0.12", "0.09", "--laws", "Neo-Hookean",
                                  "Mooney-Rivlin incompressible")
     # Five meshes, with a tip for both laws and as a point for the first.
     assert len(rows) == 15, rows
@@ -170,8 +170,8 @@ def check_discretisation():
     return force
 
 
-def check_discretisation_on_two_ranks(force):
-    _, together = discretisation(2, "--edges", "0.12", "--laws", "Neo-Hookean")
+def check_elements_on_two_ranks(force):
+    _, together = elements(2, "--edges", "0.12", "--laws", "Neo-Hookean")
     assert together.keys() == force.keys()
     assert all(math.isclose(force[key], together[key], rel_tol=1e-6) for key in force), together
 
@@ -482,13 +482,13 @@ def side_by_side(*checks):
         return [check.result() for check in [cores.submit(check) for check in checks]]
 
 
-alone = [check_discretisation, check_liver_alone]
+alone = [check_elements, check_liver_alone]
 if os.environ.get("PALPATE_SHARED_DATA"):
     alone.append(check_a_surface_that_crosses_itself)
 force, *_ = side_by_side(*alone)
 if MPIEXEC:
     check_two_ranks()
-    check_discretisation_on_two_ranks(force)
+    check_elements_on_two_ranks(force)
 check_roof()
 check_accuracy()
 check_palpation()

@@ -11,7 +11,8 @@ from examples_support import expect_pictures, rows_of, run
 
 
 def check_locking(scene):
-    done = run(1, "--locking", scene, "--output", "locking", example="discretisation")
+    done = run(1, "--locking", scene, "--output", "locking", example="discretisation",
+               script="elements")
     assert done.returncode == 0, done.stderr
     rows = rows_of("locking/locking.csv")
     force = {(row["Poisson's ratio"], row["element"], row["formulation"]): float(row["force (N)"])
@@ -24,6 +25,33 @@ def check_locking(scene):
         assert force["0.4999", element, "Displacement"] > locks * soft, force
         assert math.isclose(force["0.4999", element, "Mixed"], soft, rel_tol=5e-3), force
     expect_pictures("locking", "locking")
+
+
+def check_discretisation():
+    """A liver of coarse cells."""
+    small = ["--elements", "300", "--tip-radius", "0.02", "--depth", "0.3", "--divisions", "1",
+             "--tolerances", "0.08", "--reference", "0.02", "--wanted", "50", "4"]
+    done = run(1, *small, "--output", "discretisation", example="discretisation")
+    assert done.returncode == 0, done.stderr
+    rows = {row["divided"]: row for row in rows_of("discretisation/table.csv")}
+    coarse, everywhere, needed = (rows[name] for name in ("nowhere", "everywhere", "where needed"))
+    assert float(everywhere["cells"]) == 8 * float(coarse["cells"]), rows
+    assert float(needed["cells"]) < float(everywhere["cells"]), rows
+    assert float(needed["error (%)"]) < 8 < float(coarse["error (%)"]), rows
+    for row in rows.values():
+        assert 0 < float(row["left (%)"]) < 0.7 * float(row["error (%)"]), rows
+        assert 0.5 < float(row["told (mN)"]) / float(row["error (mN)"]) < 1.6, rows
+        assert float(row["solve (s)"]) > 0, rows
+    with open("discretisation/table.md", encoding="utf-8") as file:
+        text = file.read().strip()
+    assert text in done.stdout and "liver: the reference has" in text, text
+    expect_pictures("discretisation", "error_seconds_liver")
+
+    done = run(1, "--touched", "0", "0", "0", "--output", "discretisation",
+               "discretisation/organ_liver.vtu", "discretisation/organ_liver.vtu",
+               example="discretisation")
+    assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
+    assert "--touched is a place of one organ" in done.stderr, done.stderr
 
 
 def check_stability(*scene):
@@ -123,6 +151,7 @@ def check_wobble():
 if os.environ.get("PALPATE_SHARED_DATA"):
     check_locking(os.path.join(os.environ["PALPATE_SHARED_DATA"], "liver_seed.vtu"))
     check_stability(os.path.join(os.environ["PALPATE_SHARED_DATA"], "liver_seed.vtu"))
+check_discretisation()
 check_stability()
 check_tolerance()
 check_two_hands()

@@ -70,6 +70,11 @@ def check_tolerance():
     assert 1.5 * rows["LargestMeshError"][0] > 0.1 >= 1.5 * rows["LargestMeshError"][-1]
     assert numpy.isnan(rows["Change"][0]).all() and (rows["Change"][-1] <= 0.1).all()
     assert (rows["MeshError"][-1] == field(fine, "MeshError")).all()
+    for component, node in ((0, nodes[0]), (3, nodes[1])):
+        force = rows["Force"][-1, component:component + 3]
+        error = force - rows["CorrectedForce"][-1, component:component + 3]
+        share = rows["MeshError"][-1, component // 3]
+        assert abs(numpy.linalg.norm(error) / numpy.linalg.norm(force) / share - 1) < 1e-9, node
     assert (field(fine, "MeshErrorKnown") == 1).all()
 
     # The points of before are there, with what they have; new ones are held on the same plane.
@@ -100,6 +105,21 @@ def check_tolerance():
     # A mesh that is fine enough stays as it is.
     again = ball(RefineMesh(Input=refined, ActiveNodes=nodes, Depth=DEPTH, MeshTolerance=0.1))
     assert fetch(again).GetNumberOfCells() == fine.GetNumberOfCells()
+
+
+def check_all_cells():
+    """Each cell is divided into eight, whatever touches the body; linear cells too."""
+    for name, quadratic in (("all", True), ("all_linear", False)):
+        boundary = scene(name, quadratic=quadratic)
+        number = fetch(boundary).GetNumberOfCells()
+        divided = RefineMesh(Input=boundary, Divide="All Cells", ActiveNodes=[], TipRadius=0)
+        expect_silence(divided.UpdatePipeline)
+        assert fetch(divided).GetNumberOfCells() == 8 * number
+        assert list(table(divided)["Cells"]) == [number, 8 * number]
+        held = places(fetch(divided))[point_array(fetch(divided), "Fixed") != 0]
+        assert abs(held[:, 0]).max() < 1e-12
+        divided.MaximumCells = 8 * number - 1
+        expect_error(divided.UpdatePipeline, f"{8 * number} cells", "MaximumCells", "Raise it")
 
 
 def check_supports_and_weight():
@@ -174,6 +194,7 @@ def check_bad_input():
 
 
 check_tolerance()
+check_all_cells()
 check_supports_and_weight()
 check_tip()
 check_bad_input()

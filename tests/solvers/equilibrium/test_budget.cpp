@@ -122,6 +122,23 @@ TEST_F(Budget, WhatIsLeftIsAStartForTheNext) {
   EXPECT_EQ(state.t, kHardPush);
 }
 
+TEST_F(Budget, AnInvertedStartThatWasReadAgainIsToldWithItsWorstCell) {
+  EquilibriumOptions options;
+  options.max_seconds = 1e-9;
+  EquilibriumSolver solver(block_.scene, options);
+  solver.set_interaction(tool_);
+  Equilibrium start = solver.rest();
+  // As a file gives it: the flag is kept, and neither the cell nor the number of cells is.
+  start.flags = flags::inverted;
+  start.minimum_det_f_cell = -1;
+  start.num_inverted_cells = 0;
+  const Equilibrium state = solver.solve(kHardPush, start);
+  EXPECT_EQ(state.outcome, Outcome::budget_used_up);
+  EXPECT_GE(state.minimum_det_f_cell, 0);
+  EXPECT_NE(state.summary.message.find("the worst is cell "), std::string::npos)
+      << state.summary.message;
+}
+
 TEST_F(Budget, AStartThatDidNotConvergeIsGivenBackWithItsReason) {
   EquilibriumOptions options;
   options.max_iterations = 1;
