@@ -17,7 +17,7 @@ struct vtkPalpateBodyMeshOptions
   vtkImplicitFunction* RefineRegion = nullptr; ///< negative where tetrahedra shall be smaller
   double RefineVolume = 0;                     ///< largest volume there, m³; 0 = as elsewhere
   vtkPalpateEdges Edges;                       ///< where edges shall be no longer than asked
-  double MostTetrahedra = 2e7;                 ///< more are refused, if Edges ask for them
+  double MostTetrahedra = 0;                   ///< more are refused, if Edges ask for them
 };
 
 /// A part of space, enclosed by walls.

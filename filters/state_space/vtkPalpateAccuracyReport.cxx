@@ -46,6 +46,9 @@ constexpr int FactorsOfReport = 3;
 /// The time of a test point, in times of a configuration: the anchors are reached too, and are
 /// farther away than a neighbour.
 constexpr double TimeOfPoint = 2;
+/// The time of a solve on a mesh with eight times the cells, in times of one, and its memory.
+constexpr double TimeOnFinerMesh = 20;
+constexpr double MemoryOfFinerMesh = 12;
 
 /// The key of everything that a report depends on.
 std::string KeyOf(const palpate::TouchSpace& space, const palpate::AccuracyOptions& options)
@@ -72,7 +75,7 @@ std::string KeyOf(const palpate::TouchSpace& space, const palpate::AccuracyOptio
   }
   key.add(options.exact.test_points).add(options.exact.seed);
   key.add(options.exact.equilibrium.tolerance).add(options.exact.file.string());
-  key.add(options.methods);
+  key.add(options.methods).add(options.measures_mesh_error);
   return key.text();
 }
 
@@ -127,6 +130,10 @@ void FillTable(const std::vector<AccuracyRow>& rows, bool ofNodes, vtkTable* tab
   number("MeanMeshErrorN", &AccuracyRow::mean_mesh_error);
   number("LargestMeshErrorN", &AccuracyRow::largest_mesh_error);
   number("MeshErrorReliable", &AccuracyRow::reliable_mesh_error, PerCent);
+  number("MeanMeasuredMeshErrorN", &AccuracyRow::mean_measured_mesh_error);
+  number("LargestMeasuredMeshErrorN", &AccuracyRow::largest_measured_mesh_error);
+  number("MeanLeftMeshErrorN", &AccuracyRow::mean_left_mesh_error);
+  number("LargestLeftMeshErrorN", &AccuracyRow::largest_left_mesh_error);
   number("Noticeable", &AccuracyRow::noticeable, PerCent);
   number("NearRestError", &AccuracyRow::near_rest_error, PerCent);
   number("MeanMarkedError", &AccuracyRow::mean_marked_error, PerCent);
@@ -172,15 +179,18 @@ void FillChart(std::vector<AccuracyRow> rows, vtkTable* table)
   }
 }
 
-void AddVectors(vtkPolyData* data, const char* name, const std::vector<AccuracyPoint>& all,
-  palpate::Vec3 palpate::TestPoint::*member)
+/// @param get The vector of a point.
+template <class Get>
+void AddVectors(
+  vtkPolyData* data, const char* name, const std::vector<AccuracyPoint>& all, const Get& get)
 {
   vtkNew<vtkDoubleArray> array;
   array->SetName(name);
   array->SetNumberOfComponents(3);
   for (const AccuracyPoint& point : all)
   {
-    array->InsertNextTuple((point.exact.*member).data());
+    const palpate::Vec3 vector = get(point);
+    array->InsertNextTuple(vector.data());
   }
   data->GetPointData()->AddArray(array);
 }
@@ -213,8 +223,16 @@ void FillPoints(const palpate::TouchSpace& space, const AccuracyResult& result, 
       "BodyNumber", all, [](const AccuracyPoint& point) { return point.body; }));
   }
   integers("Kind", [](const AccuracyPoint& p) { return static_cast<int>(p.exact.kind); });
-  AddVectors(data, "Displacement", all, &palpate::TestPoint::t);
-  AddVectors(data, "Force", all, &palpate::TestPoint::force);
+  AddVectors(data, "Displacement", all, [](const AccuracyPoint& p) { return p.exact.t; });
+  AddVectors(data, "Force", all, [](const AccuracyPoint& p) { return p.exact.force; });
+  const auto isFiner = [](const AccuracyPoint& point) { return point.finer.has_value(); };
+  if (std::any_of(all.begin(), all.end(), isFiner))
+  {
+    const palpate::Vec3 nothing = palpate::Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+    AddVectors(data, "MeasuredMeshError", all,
+      [&](const AccuracyPoint& p)
+      { return p.finer ? palpate::Vec3(p.exact.force - *p.finer) : nothing; });
+  }
   arrays->AddArray(Column<vtkDoubleArray>(
     "Energy", all, [](const AccuracyPoint& point) { return point.exact.energy; }));
   integers("Outcome", [](const AccuracyPoint& p) { return static_cast<int>(p.exact.outcome); });
@@ -316,6 +334,7 @@ int vtkPalpateAccuracyReport::RequestData(
     options.exact.equilibrium.tolerance = this->SolverTolerance;
     options.exact.equilibrium.single_precision = true;
     options.exact.equilibrium.threads = this->Threads;
+    options.measures_mesh_error = this->MeasureMeshError;
     for (const int method : this->Methods)
     {
       options.methods.push_back(static_cast<palpate::Method>(method));
@@ -389,20 +408,15 @@ void vtkPalpateAccuracyReport::UpdateEstimate()
       palpate::agree(
         *communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
       // Of several bodies the last one stands for all: the first may only be shown.
-      palpate::BodyId last = palpate::kFirstBody;
-      while (!vtkPalpateStateSpaceArrays::FindBlocks(
-        input, vtkPalpateStateSpaceArrays::BodyBlockName(last + 1))
-                .empty())
-      {
-        ++last;
-      }
-      const auto scene = vtkPalpateSceneToEstimate(vtkPalpateBody(input, last), controller);
+      const auto scene =
+        vtkPalpateSceneToEstimate(vtkPalpateBody(input, vtkPalpateLastBody(input)), controller);
       const int threads = palpate::num_threads(*communicator, this->Threads);
       if (!scene)
       {
         return std::string();
       }
-      const palpate::SolveCost& cost = this->Cost.Of(*scene, threads);
+      const bool isRigid = space.find_pressing() != nullptr;
+      const palpate::SolveCost& cost = this->Cost.Of(*scene, threads, isRigid);
       double points = 0;
       double seconds = 0;
       for (const palpate::TouchToolSpace& of : space.tool_spaces)
@@ -411,11 +425,16 @@ void vtkPalpateAccuracyReport::UpdateEstimate()
         seconds += TimeOfPoint * this->TestPoints *
           palpate::seconds_of(palpate::work_of_configuration(of.setup.presses()), cost, true);
       }
+      double bytes = palpate::solver_bytes(cost, FactorsOfReport, true);
+      if (this->MeasureMeshError)
+      {
+        seconds *= 1 + TimeOnFinerMesh;
+        bytes *= MemoryOfFinerMesh;
+      }
       return "About " + vtkPalpateTellNumber(points) + " equilibria of " +
         vtkPalpateTellNumber(cost.num_unknowns) + " unknowns. They take " +
         vtkPalpateTellSeconds(seconds / communicator->size()) + " and " +
-        vtkPalpateTellBytes(palpate::solver_bytes(cost, FactorsOfReport, true)) +
-        " of memory a rank.";
+        vtkPalpateTellBytes(bytes) + " of memory a rank.";
     });
 }
 
@@ -430,6 +449,7 @@ void vtkPalpateAccuracyReport::PrintSelf(ostream& os, vtkIndent indent)
     os << ' ' << method;
   }
   os << '\n'
+     << indent << "MeasureMeshError: " << this->MeasureMeshError << '\n'
      << indent << "FileName: " << this->FileName << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
      << indent << "Threads: " << this->Threads << '\n'

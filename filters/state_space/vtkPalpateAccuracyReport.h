@@ -23,6 +23,11 @@
  *   `MeanMeshErrorN`, `LargestMeshErrorN`, `MeshErrorReliable`
  *                               the estimated error that the mesh makes in the force, N, and the
  *                               share of points at which it is reliable, %
+ *   `MeanMeasuredMeshErrorN`, `LargestMeasuredMeshErrorN`
+ *                               the error of the mesh against a finer one, N; NaN where it was not
+ *                               asked for
+ *   `MeanLeftMeshErrorN`, `LargestLeftMeshErrorN`
+ *                               what is left of it where a reliable estimate is taken off, N
  *   `Noticeable`                the share of test points whose relative error exceeds 10 %, %
  *   `NearRestError`             the largest relative error within 1 % of the half-width from rest,
  *                               or where a rigid tool begins to touch, %
@@ -50,6 +55,8 @@
  *                               begins to touch
  *   `Displacement`              the displacement of the node, or the place of a rigid tool, m
  *   `Force`, `Energy`           the exact force, N, and energy, J
+ *   `MeasuredMeshError`         where it was asked for, by how much the force of the mesh is too
+ *                               large against that of a finer one, N; NaN where it is not known
  *   `Outcome`, `Flags`          how the exact solve ended
  *   `Found`                     how far the space can be trusted there, see palpate::Support
  *   `Class`                     0 counted, 1 marked, 2 extrapolated, 3 irregular, 4 failed
@@ -115,6 +122,12 @@ public:
   void ClearMethods();
   ///@}
   ///@{
+  /// Whether the test points are solved on a mesh as well whose cells are all divided.
+  vtkSetMacro(MeasureMeshError, bool);
+  vtkGetMacro(MeasureMeshError, bool);
+  vtkBooleanMacro(MeasureMeshError, bool);
+  ///@}
+  ///@{
   /// Where exact equilibria are kept (.palpate) and taken from; empty: in memory alone.
   vtkSetStdStringFromCharMacro(FileName);
   vtkGetCharFromStdStringMacro(FileName);
@@ -157,6 +170,7 @@ private:
 
   int TestPoints = 500;
   int Seed = 1;
+  bool MeasureMeshError = false;
   std::vector<int> Methods;
   std::string FileName;
   double SolverTolerance = 1e-9;

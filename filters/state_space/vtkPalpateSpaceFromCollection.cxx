@@ -464,13 +464,23 @@ std::vector<vtkSmartPointer<vtkUnstructuredGrid>> vtkPalpateGatherBodies(
   vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller)
 {
   std::vector<vtkSmartPointer<vtkUnstructuredGrid>> bodies;
-  palpate::BodyId number = palpate::kFirstBody;
   // The blocks are the same on every rank.
-  do
+  const palpate::BodyId last = vtkPalpateLastBody(collection);
+  for (palpate::BodyId number = palpate::kFirstBody; number <= last; ++number)
   {
     bodies.push_back(vtkPalpateGatherBody(vtkPalpateBody(collection, number), controller));
-  } while (!FindBlocks(collection, BodyBlockName(++number)).empty());
+  }
   return bodies;
+}
+
+palpate::BodyId vtkPalpateLastBody(vtkPartitionedDataSetCollection* collection)
+{
+  palpate::BodyId last = palpate::kFirstBody;
+  while (!FindBlocks(collection, BodyBlockName(last + 1)).empty())
+  {
+    ++last;
+  }
+  return last;
 }
 
 std::vector<vtkSmartPointer<vtkDataSet>> vtkPalpateConfigurations(

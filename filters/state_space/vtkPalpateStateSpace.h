@@ -116,6 +116,10 @@ PALPATESTATESPACE_EXPORT void vtkPalpateAddLeftOut(
 PALPATESTATESPACE_EXPORT vtkPalpatePieces vtkPalpateBody(
   vtkPartitionedDataSetCollection* collection, palpate::BodyId body = palpate::kFirstBody);
 
+/// The number of the last body that has a block, or of the first body.
+PALPATESTATESPACE_EXPORT palpate::BodyId vtkPalpateLastBody(
+  vtkPartitionedDataSetCollection* collection);
+
 /// The bodies, in the order of their numbers: whole on rank 0.
 /// @note Collective.
 PALPATESTATESPACE_EXPORT std::vector<vtkSmartPointer<vtkUnstructuredGrid>> vtkPalpateGatherBodies(

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "accuracy/finer_mesh.h"
 #include "accuracy/statistics.h"
 #include "base/error.h"
 #include "equilibrium/work.h"
@@ -101,6 +102,10 @@ AccuracyRow row_of(const std::string& method, const std::string& tool, Index act
   row.mean_mesh_error = mean(m.mesh);
   row.largest_mesh_error = largest(m.mesh);
   row.reliable_mesh_error = m.reliable_mesh / static_cast<double>(m.mesh.size());
+  row.mean_measured_mesh_error = mean(m.measured_mesh);
+  row.largest_measured_mesh_error = largest(m.measured_mesh);
+  row.mean_left_mesh_error = mean(m.left_mesh);
+  row.largest_left_mesh_error = largest(m.left_mesh);
   row.noticeable = share_above(m.relative, kNoticeable);
   row.near_rest_error = largest(m.near_rest);
   row.mean_marked_error = mean(m.marked);
@@ -147,11 +152,13 @@ void run_on_first_rank(Communicator& communicator, const std::function<void()>& 
 }
 
 /// Measures all tool spaces, on rank 0.
+/// @param finer See FinerForces.
 /// @param done Called with the number of tool spaces that are done, as a fraction; false ends the
 ///   measurement.
 /// @returns false: it was ended.
 bool measure_tool_spaces(const TouchSpace& space, const std::vector<Method>& methods,
-                         std::vector<std::vector<TestPoint>>&& points,
+                         const std::vector<std::vector<TestPoint>>& points,
+                         const std::vector<std::vector<std::optional<Vec3>>>& finer,
                          const std::function<bool(double)>& done, AccuracyResult& result) {
   // Rows are in the order in which methods and grids first occur.
   std::vector<std::pair<std::string, std::int32_t>> order;
@@ -163,11 +170,13 @@ bool measure_tool_spaces(const TouchSpace& space, const std::vector<Method>& met
   for (std::size_t s = 0; s < space.tool_spaces.size(); ++s) {
     const TouchToolSpace& tool_space = space.tool_spaces[s];
     const std::size_t first_point = result.points.size();
-    for (TestPoint& point : points[s]) {
+    for (std::size_t i = 0; i < points[s].size(); ++i) {
+      const TestPoint& point = points[s][i];
       AccuracyPoint& added = result.points.emplace_back();
       added.active_node = tool_space.setup.interaction.active_node;
       added.body = tool_space.setup.body;
       added.exact = point;
+      added.finer = finer[s][i];
     }
     const std::vector<Variant> all = variants(tool_space, methods);
     for (std::size_t v = 0; v < all.size(); ++v) {
@@ -175,8 +184,8 @@ bool measure_tool_spaces(const TouchSpace& space, const std::vector<Method>& met
       std::vector<PointError> errors;
       const double share = static_cast<double>(v) / static_cast<double>(all.size());
       if (!done(static_cast<double>(s) + share)) return false;
-      const Measurement measured =
-          measure(space, tool_space, variant, points[s], errors, fields ? &*fields : nullptr);
+      const Measurement measured = measure(space, tool_space, variant, {points[s], finer[s]},
+                                           errors, fields ? &*fields : nullptr);
       const std::string name = to_string(variant);
       result.rows_of_tool_spaces.push_back(row_of(
           name, tool_space.setup.name(), tool_space.setup.interaction.active_node, measured));
@@ -226,9 +235,19 @@ AccuracyResult measure_accuracy(const std::vector<std::shared_ptr<const Scene>>&
   ExactResult exact = solve_test_points(scenes, setups, of_exact, communicator, progress);
   result.num_solved = exact.num_solved;
   result.num_reused = exact.num_reused;
-  result.exact_seconds = seconds_since(start);
   result.complete = exact.complete;
   if (!exact.complete) return result;
+
+  FinerForces finer;
+  if (options.measures_mesh_error) {
+    finer = solve_on_finer_meshes(scenes, setups, exact.points, of_exact.equilibrium, communicator,
+                                  progress);
+    result.complete = finer.complete;
+    if (!finer.complete) return result;
+  } else {
+    for (const auto& of_tool_space : exact.points) finer.forces.emplace_back(of_tool_space.size());
+  }
+  result.exact_seconds = seconds_since(start);
 
   const SteadyClock::time_point measure_start = SteadyClock::now();
   bool complete = true;
@@ -251,7 +270,7 @@ AccuracyResult measure_accuracy(const std::vector<std::shared_ptr<const Scene>>&
       state.seconds_left = seconds_each * (static_cast<double>(setups.size()) - num_tool_spaces);
       return progress(state);
     };
-    complete = measure_tool_spaces(space, methods, std::move(exact.points), done, result);
+    complete = measure_tool_spaces(space, methods, exact.points, finer.forces, done, result);
   });
   result.complete = !any(communicator, !complete);
   result.measure_seconds = seconds_since(measure_start);

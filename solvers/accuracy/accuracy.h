@@ -4,6 +4,7 @@
 // that of active nodes, or of a rigid tool that presses the body anywhere.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct AccuracyOptions {
   ExactOptions exact;
   /// The methods that are compared; empty: all.
   std::vector<Method> methods;
+  /// Whether the error of the mesh is measured too, by solves on finer meshes (finer_mesh.h). A
+  /// solve there takes some twenty times as long.
+  bool measures_mesh_error = false;
 };
 
 /// Figures of one method on one grid; NaN: nothing was measured. Errors are shares, not per cent,
@@ -60,6 +64,12 @@ struct AccuracyRow {
   double mean_mesh_error = 0;
   double largest_mesh_error = 0;
   double reliable_mesh_error = 0;
+  /// The same error as it is measured on finer meshes, and what is left of it where the estimate is
+  /// reliable and taken off, N. NaN where that was not asked for.
+  double mean_measured_mesh_error = 0;
+  double largest_measured_mesh_error = 0;
+  double mean_left_mesh_error = 0;
+  double largest_left_mesh_error = 0;
   /// The share of points whose relative error a hand can notice: it exceeds kNoticeable.
   double noticeable = 0;
   /// Largest relative error within kNearRest half-widths from rest, or where a rigid tool begins
@@ -91,6 +101,8 @@ struct AccuracyPoint {
   Index active_node = 0;
   BodyId body = kFirstBody;
   TestPoint exact;
+  /// The force on a finer mesh, N; nothing: it is not known.
+  std::optional<Vec3> finer;
   Support support = Support::none;
   PointClass point_class = PointClass::failed;
   /// Relative errors of the force, in the order of AccuracyResult::methods; NaN: the point failed,

@@ -173,15 +173,16 @@ class Shown {
 };
 
 void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, Subject& subject,
-                    const std::vector<TestPoint>& points, FieldCache* fields,
-                    std::vector<PointError>& errors, Measurement& result) {
+                    const SolvedPoints& points, FieldCache* fields, std::vector<PointError>& errors,
+                    Measurement& result) {
   const double floor = kErrorFloor * largest_force(tool_space.configurations);
   const double stiffness_floor = kErrorFloor * largest_stiffness(tool_space);
   const bool presses = tool_space.setup.presses();
-  Shown shown(space, tool_space, fields, points);
+  Shown shown(space, tool_space, fields, points.exact);
   int branch = 0;
   Vec3 at = Vec3::Zero();
-  for (const TestPoint& point : points) {
+  for (std::size_t i = 0; i < points.exact.size(); ++i) {
+    const TestPoint& point = points.exact[i];
     const bool goes_on = point.kind == TestKind::walk && point.number % kWalkLength != 0;
     if (!goes_on) {
       branch = 0;
@@ -211,9 +212,15 @@ void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, S
     if (error.point_class != PointClass::inside) continue;
     result.absolute.push_back(absolute);
     result.largest_force = std::max(result.largest_force, point.force.norm());
+    const bool is_reliable = touch.mesh_error.trust == MeshErrorTrust::reliable;
     if (touch.mesh_error.trust != MeshErrorTrust::none) {
       result.mesh.push_back(touch.mesh_error.force.norm());
-      if (touch.mesh_error.trust == MeshErrorTrust::reliable) ++result.reliable_mesh;
+      if (is_reliable) ++result.reliable_mesh;
+    }
+    if (const std::optional<Vec3>& finer = points.finer[i]) {
+      const Vec3 of_mesh = point.force - *finer;
+      result.measured_mesh.push_back(of_mesh.norm());
+      if (is_reliable) result.left_mesh.push_back((of_mesh - touch.mesh_error.force).norm());
     }
     shown.add_error(subject, branch, point, result.displacement);
     if (presses && point.kind == TestKind::near_rest) continue;
@@ -443,6 +450,8 @@ Measurement& Measurement::operator+=(const Measurement& other) {
   largest_force = std::max(largest_force, other.largest_force);
   append(mesh, other.mesh);
   reliable_mesh += other.reliable_mesh;
+  append(measured_mesh, other.measured_mesh);
+  append(left_mesh, other.left_mesh);
   append(stiffness, other.stiffness);
   append(displacement, other.displacement);
   append(marked, other.marked);
@@ -505,7 +514,7 @@ std::vector<Variant> variants(const TouchToolSpace& tool_space,
 }
 
 Measurement measure(const TouchSpace& space, const TouchToolSpace& whole, const Variant& variant,
-                    const std::vector<TestPoint>& points, std::vector<PointError>& errors,
+                    const SolvedPoints& points, std::vector<PointError>& errors,
                     FieldCache* fields) {
   const TouchToolSpace tool_space = coarsened(whole, variant.factor);
   Measurement result;
@@ -534,7 +543,8 @@ Measurement measure(const TouchSpace& space, const TouchToolSpace& whole, const 
   measure_errors(space, tool_space, subject, points, fields, errors, result);
   const Places places(tool_space);
   measure_loops(interpolator, grid,
-                grid.sparse ? loops_over_surface(grid, points) : loops_in_box(places), result);
+                grid.sparse ? loops_over_surface(grid, points.exact) : loops_in_box(places),
+                result);
   measure_jumps(interpolator, tool_space, places, result);
   measure_time(interpolator, places, result);
   return result;

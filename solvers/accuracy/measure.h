@@ -16,6 +16,7 @@
 // Approximation, EuroHaptics 2008.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -88,6 +89,10 @@ struct Measurement {
   /// number of estimates that are reliable; empty where the space or the method has none.
   std::vector<double> mesh;
   int reliable_mesh = 0;
+  /// The same errors as they are measured, where the force on a finer mesh is known, and what is
+  /// left of them where a reliable estimate is taken off, N.
+  std::vector<double> measured_mesh;
+  std::vector<double> left_mesh;
   /// Errors of the stiffness at the points of `relative`, |k − k*| / |k*|, with a floor like that
   /// of the force.
   std::vector<double> stiffness;
@@ -113,6 +118,13 @@ struct Measurement {
   Measurement& operator+=(const Measurement& other);
 };
 
+/// Solved test points of a tool space.
+struct SolvedPoints {
+  const std::vector<TestPoint>& exact;
+  /// The force at each on a finer mesh [exact.size()], N; nothing: it is not known.
+  const std::vector<std::optional<Vec3>>& finer;
+};
+
 /// What is measured at a test point.
 struct PointError {
   PointClass point_class = PointClass::failed;
@@ -124,12 +136,11 @@ struct PointError {
 /// Measures one variant on one tool space. For a tool space with levels, memory and time are those
 /// of the branch of rest, and errors are those of the branch that the body is on.
 /// @param whole The tool space before it is coarsened.
-/// @param points Solved test points of the tool space.
-/// @param errors Set to the error at each of them [points.size()].
+/// @param errors Set to the error at each of the points [points.exact.size()].
 /// @param fields The fields in the file of the space; null: there is no file.
 /// @throws InputError, BackendError as FieldCache::add_up.
 [[nodiscard]] Measurement measure(const TouchSpace& space, const TouchToolSpace& whole,
-                                  const Variant& variant, const std::vector<TestPoint>& points,
+                                  const Variant& variant, const SolvedPoints& points,
                                   std::vector<PointError>& errors, FieldCache* fields = nullptr);
 
 }  // namespace palpate

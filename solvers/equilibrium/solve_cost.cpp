@@ -23,11 +23,8 @@ constexpr std::size_t kTimedPoints = 2500;
 constexpr int kRuns = 3;
 
 constexpr double kFactorisationExponent = 1.28;
-/// The relative error of the sensitivity of an equilibrium without a factor; and the time of the
-/// whole equilibrium as a multiple of the time of its sensitivity, as measured on cubes of 20 000
-/// to 300 000 unknowns (tests/benchmark/large.cpp).
+/// The relative error of the sensitivity of an equilibrium without a factor.
 constexpr double kColumnError = 1e-6;
-constexpr double kIterationsOfEquilibrium = 3.5;
 /// The memory of a factor with the indices and the work space of MUMPS, as a multiple of its
 /// numbers.
 constexpr double kWithWorkSpace = 1.35;
@@ -69,9 +66,9 @@ Scene hold_most(const Scene& scene) {
   return part;
 }
 
-std::unique_ptr<LinearSolver> make_solver(const Scene& scene, const std::string& name,
-                                          int threads) {
-  return name.empty() ? choose_tangent_solver(scene, threads) : make_tangent_solver(name);
+std::unique_ptr<LinearSolver> make_solver(const Scene& scene, const std::string& name, int threads,
+                                          long least) {
+  return name.empty() ? choose_tangent_solver(scene, threads, least) : make_tangent_solver(name);
 }
 
 void measure_factor(const Scene& scene, const Assembly& body, LinearSolver& whole,
@@ -109,7 +106,8 @@ void measure_iteration(const Scene& scene, const Assembly& body, const std::vect
 
 }  // namespace
 
-SolveCost measure_solve_cost(const Scene& scene, const std::string& linear_solver, int threads) {
+SolveCost measure_solve_cost(const Scene& scene, const std::string& linear_solver, int threads,
+                             long least) {
   SolveCost cost;
   const Assembly body(scene);
   NodalVector force;
@@ -121,7 +119,8 @@ SolveCost measure_solve_cost(const Scene& scene, const std::string& linear_solve
   cost.assembly_seconds = least_seconds([&] { body.tangent(rest, force, values); });
   cost.body_bytes = kBytesOfUnknown * static_cast<double>(cost.num_unknowns);
   if (cost.num_unknowns == 0) return cost;
-  if (const std::unique_ptr<LinearSolver> whole = make_solver(scene, linear_solver, threads)) {
+  if (const std::unique_ptr<LinearSolver> whole =
+          make_solver(scene, linear_solver, threads, least)) {
     measure_factor(scene, body, *whole, cost);
   } else {
     const std::unique_ptr<Team> team = make_thread_team(threads);
@@ -131,7 +130,7 @@ SolveCost measure_solve_cost(const Scene& scene, const std::string& linear_solve
 }
 
 double seconds_of(const WorkCount& work, const SolveCost& cost, bool single_precision) {
-  if (!cost.has_factor()) return kIterationsOfEquilibrium * cost.iteration_seconds;
+  if (!cost.has_factor()) return work.columns_at_rest * cost.iteration_seconds;
   const double factor = single_precision ? kSingleSeconds : 1;
   return factor * (work.factorisations * cost.factorisation_seconds +
                    work.right_hand_sides * cost.solve_seconds) +

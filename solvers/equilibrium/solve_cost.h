@@ -18,6 +18,7 @@
 #include <string>
 
 #include "assembly/scene.h"
+#include "equilibrium/tangent_solver.h"
 
 namespace palpate {
 
@@ -44,11 +45,12 @@ struct SolveCost {
 /// 10 000.
 /// @param scene A scene that check() accepts.
 /// @param linear_solver One of tangent_solver_names(); empty: the one that suits the body.
-/// @param threads As in EquilibriumOptions.
+/// @param threads As in EquilibriumOptions. @param least As in may_do_without_factor().
 /// @throws InputError as Assembly, or there is no solver of that name.
 /// @throws BackendError the body cannot be ordered.
 [[nodiscard]] SolveCost measure_solve_cost(const Scene& scene,
-                                           const std::string& linear_solver = {}, int threads = 0);
+                                           const std::string& linear_solver = {}, int threads = 0,
+                                           long least = kUnknownsWithoutFactor);
 
 /// How often each operation is done.
 struct WorkCount {
@@ -56,11 +58,12 @@ struct WorkCount {
   double right_hand_sides = 0;
   double residuals = 0;
   double assemblies = 0;
+  /// Without a factor, the time of all of it in times of three columns at rest, as measured for an
+  /// equilibrium on cubes of 20 000 to 300 000 unknowns (tests/benchmark/large.cpp).
+  double columns_at_rest = 3.5;
 };
 
 /// The time of some work, s.
-/// @param work The work with a factor. Without one, every equilibrium is taken to need the same
-///   time.
 /// @param single_precision The precision of the factors.
 [[nodiscard]] double seconds_of(const WorkCount& work, const SolveCost& cost,
                                 bool single_precision);

@@ -20,7 +20,7 @@ constexpr double kIntermediateState = 0.6;
 /// The mean work of a configuration of a bonded node and of a rigid tool, as measured on the liver
 /// (tests/benchmark/README.md).
 constexpr WorkCount kBonded = {0.4, 24, 20, 0.8};
-constexpr WorkCount kContact = {0.8, 29, 35, 1.5};
+constexpr WorkCount kContact = {0.8, 29, 35, 1.5, 9.5};
 /// The size of a configuration without fields in a file, bytes.
 constexpr double kSummaryBytes = 512;
 /// Fields of a configuration: u, v, p and ∂p/∂t.

@@ -28,6 +28,7 @@ parser.add_argument("--spacing", type=float, default=0.006, help="m")
 parser.add_argument("--mesh-tolerance", type=float, default=0.05)
 parser.add_argument("--region-size", type=float, default=0.0, help="m")
 parser.add_argument("--maximum-cells", type=int, default=6000)
+parser.add_argument("--force-limit", type=float, default=0.0, help="N; 0 for none")
 parser.add_argument("--maximum-seconds", type=float, default=0.0, help="for one solve")
 parser.add_argument("--truth", type=float, default=0.02)
 arguments = parser.parse_args()
@@ -66,7 +67,8 @@ space = ball(PrecomputeStateSpace(
     Input=scene, FileName=arguments.file, Keep="Touch", Depth=arguments.depth,
     Spacing=arguments.spacing, MeshTolerance=arguments.mesh_tolerance, LogInterval=60,
     RegionSize=arguments.region_size, MaximumCells=arguments.maximum_cells,
-    MaximumConfigurations=1000000, MaximumSeconds=arguments.maximum_seconds), arguments)
+    MaximumConfigurations=1000000, MaximumSeconds=arguments.maximum_seconds,
+    ForceLimit=arguments.force_limit), arguments)
 start = time.time()
 space.UpdatePipeline()
 output = servermanager.Fetch(space, 0)

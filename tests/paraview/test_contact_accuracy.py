@@ -78,6 +78,18 @@ if RANKS == 1:
     bad = AccuracyReport(Input=space, TestPoints=5, Methods=["Tricubic", "Linear"])
     expect_error(bad.UpdatePipeline, "None of the chosen methods", "'Energy Hermite'")
     Delete(bad)
+    # The error of the mesh, against a finer one.
+    finer = AccuracyReport(Input=space, TestPoints=6, Methods=["Energy Hermite"],
+                           MeasureMeshError=1, LogInterval=0)
+    table, tried, _ = expect_silence(lambda: fetch_report(finer))
+    found = row(columns(table), "Energy Hermite", best["Resolution"])
+    assert 0 < found["MeanMeasuredMeshErrorN"] <= found["LargestMeasuredMeshErrorN"], found
+    error = numpy.linalg.norm(point_array(tried, "MeasuredMeshError"), axis=1)
+    counted = point_array(tried, "Class") == 0
+    assert numpy.isclose(error[counted].max(), found["LargestMeasuredMeshErrorN"])
+    assert numpy.isnan(best["MeanMeasuredMeshErrorN"])
+    assert points.GetPointData().GetArray("MeasuredMeshError") is None
+    Delete(finer)
     # Without a file there are no fields to be shown.
     in_memory = AccuracyReport(Input=space_of(boundary), TestPoints=10, LogInterval=0)
     table = columns(expect_silence(lambda: fetch_report(in_memory))[0])

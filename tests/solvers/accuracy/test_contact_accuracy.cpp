@@ -11,8 +11,12 @@
 #include "accuracy/accuracy.h"
 #include "accuracy/draw.h"
 #include "accuracy/statistics.h"
+#include "assembly/refined_scene.h"
 #include "base/error.h"
+#include "discretisation/mesh_error_estimate.h"
 #include "equilibrium/equilibrium.h"
+#include "interaction/tool_clearance.h"
+#include "mesh/refinement.h"
 #include "solvers/support/block.h"
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/communicators.h"
@@ -196,6 +200,53 @@ TEST_F(ContactAccuracy, FiguresAreThoseOfADirectComparison) {
   }
   EXPECT_LE(row(result, "Energy Hermite", 0.006).loop_work, 1e-12);
   EXPECT_GE(row(result, "Trilinear", 0.006).loop_work, 1e-4);
+}
+
+/// The force on the mesh whose cells are all divided, less its estimated error.
+Vec3 force_on_finer_mesh(const Scene& scene, const RigidTool& tool, const Vec3& t) {
+  const TetMesh& mesh = scene.body.mesh;
+  const Scene finer = refined(
+      scene, refine(mesh, std::vector<char>(static_cast<std::size_t>(mesh.num_cells()), 1)));
+  const RigidContact contact = make_contact(finer.body, with_defaults(tool, finer));
+  EquilibriumSolver solver(finer, {});
+  solver.set_interaction(contact);
+  const Vec3 start = ToolClearance(finer.body, {}, contact).start_for(t);
+  const Equilibrium found = solver.solve(t, solver.rest(start));
+  EXPECT_EQ(found.outcome, Outcome::converged);
+  return Vec3(found.reaction) -
+         Vec3(MeshErrorEstimator(finer, solver.assembly()).estimate(found, contact).force);
+}
+
+TEST_F(ContactAccuracy, TheErrorOfTheMeshIsMeasuredOnAFinerOne) {
+  block_ = test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 2}});
+  of_space_.estimate_mesh_error = true;
+  options_.exact.test_points = 12;
+  options_.methods = {Method::energy_hermite};
+  const TouchSpace space = make_space();
+  options_.measures_mesh_error = true;
+  const AccuracyResult result = run(space, *world_);
+  ASSERT_TRUE(result.complete);
+  if (world_->rank() != 0) return;
+  int known = 0;
+  for (const AccuracyPoint& point : result.points) {
+    if (!point.exact.regular()) continue;
+    ASSERT_TRUE(point.finer.has_value());
+    if (known++ > 0) continue;
+    const Vec3 expected = force_on_finer_mesh(block_.scene, of_space_.contact->tool, point.exact.t);
+    EXPECT_LT((*point.finer - expected).norm(), 1e-6 * expected.norm());
+  }
+  EXPECT_GT(known, 6);
+  const AccuracyRow& best = result.rows.front();
+  EXPECT_GT(best.mean_measured_mesh_error, 0.01 * best.largest_force);
+  EXPECT_LE(best.mean_measured_mesh_error, best.largest_measured_mesh_error);
+  // The estimate takes a good part of it off.
+  EXPECT_LT(best.mean_left_mesh_error, 0.7 * best.mean_measured_mesh_error);
+  EXPECT_GT(best.mean_left_mesh_error, 0);
+
+  options_.measures_mesh_error = false;
+  const AccuracyResult without = run(space, *serial_);
+  EXPECT_TRUE(std::isnan(without.rows.front().mean_measured_mesh_error));
+  EXPECT_FALSE(without.points.front().finer.has_value());
 }
 
 TEST_F(ContactAccuracy, AForceLimitBoundsWhatIsPressed) {
