@@ -7,18 +7,15 @@
 vtkPalpateSolveCost::vtkPalpateSolveCost() = default;
 vtkPalpateSolveCost::~vtkPalpateSolveCost() = default;
 
-const palpate::SolveCost& vtkPalpateSolveCost::Of(
-  const palpate::Scene& scene, int threads, bool isRigid)
+const palpate::SolveCost& vtkPalpateSolveCost::Of(const palpate::Scene& scene, int threads)
 {
   const std::string hash = palpate::hash(scene);
-  if (!this->Cost || hash != this->Hash || threads != this->Threads || isRigid != this->IsRigid)
+  if (!this->Cost || hash != this->Hash || threads != this->Threads)
   {
     this->Cost =
-      std::make_unique<const palpate::SolveCost>(palpate::measure_solve_cost(scene, {}, threads,
-        isRigid ? palpate::kUnknownsWithoutFactorInContact : palpate::kUnknownsWithoutFactor));
+      std::make_unique<const palpate::SolveCost>(palpate::measure_solve_cost(scene, {}, threads));
     this->Hash = hash;
     this->Threads = threads;
-    this->IsRigid = isRigid;
   }
   return *this->Cost;
 }

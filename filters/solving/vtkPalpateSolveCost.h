@@ -22,13 +22,11 @@ public:
   vtkPalpateSolveCost(const vtkPalpateSolveCost&) = delete;
   vtkPalpateSolveCost& operator=(const vtkPalpateSolveCost&) = delete;
 
-  /// @param isRigid Whether the cost is that of a state space whose tool is a rigid one.
   /// @throws palpate::InputError, palpate::BackendError as palpate::measure_solve_cost.
-  const palpate::SolveCost& Of(const palpate::Scene& scene, int threads, bool isRigid);
+  const palpate::SolveCost& Of(const palpate::Scene& scene, int threads);
 
 private:
   std::unique_ptr<const palpate::SolveCost> Cost;
   std::string Hash; ///< of the scene that it is of
   int Threads = 0;  ///< with which it was measured
-  bool IsRigid = false;
 };

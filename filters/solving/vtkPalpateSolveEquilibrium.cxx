@@ -177,7 +177,7 @@ void vtkPalpateSolveEquilibrium::UpdateEstimate()
       {
         return std::string();
       }
-      const palpate::SolveCost& cost = this->Cost.Of(*scene, threads, false);
+      const palpate::SolveCost& cost = this->Cost.Of(*scene, threads);
       const palpate::EquilibriumOptions options;
       const bool isRigid = this->Tool != nullptr;
       palpate::WorkCount work = palpate::work_of_equilibrium();

@@ -415,8 +415,7 @@ void vtkPalpateAccuracyReport::UpdateEstimate()
       {
         return std::string();
       }
-      const bool isRigid = space.find_pressing() != nullptr;
-      const palpate::SolveCost& cost = this->Cost.Of(*scene, threads, isRigid);
+      const palpate::SolveCost& cost = this->Cost.Of(*scene, threads);
       double points = 0;
       double seconds = 0;
       for (const palpate::TouchToolSpace& of : space.tool_spaces)

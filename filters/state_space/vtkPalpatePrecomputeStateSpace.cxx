@@ -315,11 +315,10 @@ void vtkPalpatePrecomputeStateSpace::UpdateEstimate()
         vtkPolyData::SafeDownCast(this->GetInputDataObject(SurfacePort, 0)), controller);
       const auto communicator = vtkPalpateCommunicator(controller);
       const int threads = palpate::num_threads(*communicator, this->Threads);
-      return scene
-        ? ToText(palpate::estimate_exploration(*scene, options,
-            this->Cost.Of(*scene, threads, options.contact.has_value()), communicator->size())) +
+      return scene ? ToText(palpate::estimate_exploration(
+                       *scene, options, this->Cost.Of(*scene, threads), communicator->size())) +
           (this->MeshTolerance > 0 ? OnFinerMeshes : "")
-        : std::string();
+                   : std::string();
     });
 }
 

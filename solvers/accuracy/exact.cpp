@@ -386,9 +386,6 @@ ExactResult solve_test_points(const std::vector<std::shared_ptr<const Scene>>& s
     bodies.push_back({kFirstBody + static_cast<BodyId>(bodies.size()), scene,
                       options.file.empty() ? std::string() : hash(*scene), SettledBody{}});
   }
-  const bool is_any_rigid =
-      std::any_of(setups.begin(), setups.end(), [](const auto& setup) { return setup.presses(); });
-  const long least = is_any_rigid ? kUnknownsWithoutFactorInContact : kUnknownsWithoutFactor;
   const auto make = [&](const SpaceBody& body) {
     EquilibriumOptions of_solver = options.equilibrium;
     of_solver.follow_folds = false;
@@ -396,7 +393,7 @@ ExactResult solve_test_points(const std::vector<std::shared_ptr<const Scene>>& s
     of_solver.abort_requested = [&monitor] { return !monitor.go_on(); };
     of_solver.threads = threads;
     return std::make_unique<EquilibriumSolver>(*body.scene, of_solver,
-                                               choose_tangent_solver(*body.scene, threads, least));
+                                               choose_tangent_solver(*body.scene, threads));
   };
   BodySolvers solvers(bodies, make, false, kMostSolvers);
   // Check everything that can be wrong before a file is touched.

@@ -61,7 +61,7 @@ class FinerBody {
     is_aborted = found.outcome == Outcome::aborted;
     if (found.outcome != Outcome::converged) return std::nullopt;
     const MeshError error = states_->mesh_error(setup, found);
-    return Vec3(found.reaction) - (error.is_known() ? error.force : Vec3::Zero());
+    return Vec3(found.reaction) - (error.is_reliable ? error.force : Vec3::Zero());
   }
 
  private:

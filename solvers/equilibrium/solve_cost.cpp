@@ -66,9 +66,9 @@ Scene hold_most(const Scene& scene) {
   return part;
 }
 
-std::unique_ptr<LinearSolver> make_solver(const Scene& scene, const std::string& name, int threads,
-                                          long least) {
-  return name.empty() ? choose_tangent_solver(scene, threads, least) : make_tangent_solver(name);
+std::unique_ptr<LinearSolver> make_solver(const Scene& scene, const std::string& name,
+                                          int threads) {
+  return name.empty() ? choose_tangent_solver(scene, threads) : make_tangent_solver(name);
 }
 
 void measure_factor(const Scene& scene, const Assembly& body, LinearSolver& whole,
@@ -106,8 +106,7 @@ void measure_iteration(const Scene& scene, const Assembly& body, const std::vect
 
 }  // namespace
 
-SolveCost measure_solve_cost(const Scene& scene, const std::string& linear_solver, int threads,
-                             long least) {
+SolveCost measure_solve_cost(const Scene& scene, const std::string& linear_solver, int threads) {
   SolveCost cost;
   const Assembly body(scene);
   NodalVector force;
@@ -119,8 +118,7 @@ SolveCost measure_solve_cost(const Scene& scene, const std::string& linear_solve
   cost.assembly_seconds = least_seconds([&] { body.tangent(rest, force, values); });
   cost.body_bytes = kBytesOfUnknown * static_cast<double>(cost.num_unknowns);
   if (cost.num_unknowns == 0) return cost;
-  if (const std::unique_ptr<LinearSolver> whole =
-          make_solver(scene, linear_solver, threads, least)) {
+  if (const std::unique_ptr<LinearSolver> whole = make_solver(scene, linear_solver, threads)) {
     measure_factor(scene, body, *whole, cost);
   } else {
     const std::unique_ptr<Team> team = make_thread_team(threads);

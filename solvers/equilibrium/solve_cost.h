@@ -18,7 +18,6 @@
 #include <string>
 
 #include "assembly/scene.h"
-#include "equilibrium/tangent_solver.h"
 
 namespace palpate {
 
@@ -45,12 +44,11 @@ struct SolveCost {
 /// 10 000.
 /// @param scene A scene that check() accepts.
 /// @param linear_solver One of tangent_solver_names(); empty: the one that suits the body.
-/// @param threads As in EquilibriumOptions. @param least As in may_do_without_factor().
+/// @param threads As in EquilibriumOptions.
 /// @throws InputError as Assembly, or there is no solver of that name.
 /// @throws BackendError the body cannot be ordered.
 [[nodiscard]] SolveCost measure_solve_cost(const Scene& scene,
-                                           const std::string& linear_solver = {}, int threads = 0,
-                                           long least = kUnknownsWithoutFactor);
+                                           const std::string& linear_solver = {}, int threads = 0);
 
 /// How often each operation is done.
 struct WorkCount {

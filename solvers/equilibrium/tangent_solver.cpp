@@ -50,15 +50,15 @@ long count_unknowns(const Scene& scene) {
   return count;
 }
 
-bool may_do_without_factor(const Scene& scene, long least) {
+bool may_do_without_factor(const Scene& scene) {
   const bool is_mixed =
       std::any_of(scene.organ.materials.begin(), scene.organ.materials.end(),
                   [](const Material& m) { return palpate::is_mixed(m.formulation); });
-  return !is_mixed && count_unknowns(scene) >= least;
+  return !is_mixed && count_unknowns(scene) >= kUnknownsWithoutFactor;
 }
 
-std::unique_ptr<LinearSolver> choose_tangent_solver(const Scene& scene, int threads, long least) {
-  if (!may_do_without_factor(scene, least)) return make_linear_solver();
+std::unique_ptr<LinearSolver> choose_tangent_solver(const Scene& scene, int threads) {
+  if (!may_do_without_factor(scene)) return make_linear_solver();
   const std::unique_ptr<Team> team = make_thread_team(threads);
   const bool is_well = with_team(team.get(), [&] { return is_solved_well(scene); });
   return is_well ? nullptr : make_linear_solver();

@@ -19,9 +19,6 @@ inline constexpr const char* kConjugateGradients = "Conjugate gradients";
 /// named. A configuration takes less time from six thousand unknowns on
 /// (tests/benchmark/large.cpp), but a factor tells more: the inertia, and what is beyond a fold.
 inline constexpr long kUnknownsWithoutFactor = 10'000;
-/// The same for the space of a rigid tool, on meshes that are fine under the tool: such an
-/// equilibrium takes three times the iterations, and a factor saves most of each.
-inline constexpr long kUnknownsWithoutFactorInContact = 20'000;
 
 /// The names of the linear solvers (linear/linear_solver.h), the default first, and
 /// kConjugateGradients.
@@ -36,16 +33,14 @@ inline constexpr long kUnknownsWithoutFactorInContact = 20'000;
 
 /// Whether a body may be solved for without a factor if no solver is named: it is large and has no
 /// pressures.
-/// @param least The number of unknowns from which on a body is large.
-[[nodiscard]] bool may_do_without_factor(const Scene& scene, long least = kUnknownsWithoutFactor);
+[[nodiscard]] bool may_do_without_factor(const Scene& scene);
 
 /// The solver that suits a body, for EquilibriumSolver. Conjugate gradients are tried at rest. If
 /// they take many iterations, as with tissues whose stiffnesses differ ten thousandfold, the body
 /// is factorised.
 /// @param scene A scene that check() accepts.
 /// @param threads As in EquilibriumOptions.
-/// @param least As in may_do_without_factor().
-[[nodiscard]] std::unique_ptr<LinearSolver> choose_tangent_solver(
-    const Scene& scene, int threads = 0, long least = kUnknownsWithoutFactor);
+[[nodiscard]] std::unique_ptr<LinearSolver> choose_tangent_solver(const Scene& scene,
+                                                                  int threads = 0);
 
 }  // namespace palpate

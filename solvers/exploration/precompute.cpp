@@ -47,10 +47,8 @@ void validate_ranks_per_solve(const PrecomputeOptions& options, int num_ranks) {
 }
 
 ExplorationSession::MakeSolver solver_maker(const PrecomputeOptions& options) {
-  const long least = options.contact ? kUnknownsWithoutFactorInContact : kUnknownsWithoutFactor;
-  return [least, name = options.linear_solver,
-          threads = options.equilibrium.threads](const Scene& scene) {
-    return name.empty() ? choose_tangent_solver(scene, threads, least) : make_tangent_solver(name);
+  return [name = options.linear_solver, threads = options.equilibrium.threads](const Scene& scene) {
+    return name.empty() ? choose_tangent_solver(scene, threads) : make_tangent_solver(name);
   };
 }
 

@@ -235,11 +235,8 @@ class Toucher {
     equilibrium.third_derivatives = false;
     equilibrium.follow_folds = false;
     const auto linear = [&] {
-      return options_.linear_solver.empty()
-                 ? choose_tangent_solver(
-                       scene, equilibrium.threads,
-                       wanted_.node < 0 ? kUnknownsWithoutFactorInContact : kUnknownsWithoutFactor)
-                 : make_tangent_solver(options_.linear_solver);
+      return options_.linear_solver.empty() ? choose_tangent_solver(scene, equilibrium.threads)
+                                            : make_tangent_solver(options_.linear_solver);
     };
     EquilibriumSolver solver(scene, equilibrium, linear());
     SpaceBody body;

@@ -61,8 +61,7 @@ class Slides {
     for (const TouchToolSpace* part : parts_) {
       for (const ConfigurationSummary& c : part->configurations) {
         const Vec3 at = c.t;
-        if (!c.usable() || c.force.isZero(0) || part->clearance(at) < -depth)
-          continue;
+        if (!c.usable() || c.force.isZero(0) || part->clearance(at) < -depth) continue;
         const int region = weights->nearest(at);
         if (parts_[static_cast<std::size_t>(region)] == part) places_.push_back({at, region});
       }

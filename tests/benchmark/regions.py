@@ -67,7 +67,7 @@ space = ball(PrecomputeStateSpace(
     Input=scene, FileName=arguments.file, Keep="Touch", Depth=arguments.depth,
     Spacing=arguments.spacing, MeshTolerance=arguments.mesh_tolerance, LogInterval=60,
     RegionSize=arguments.region_size, MaximumCells=arguments.maximum_cells,
-    MaximumConfigurations=1000000, MaximumSeconds=arguments.maximum_seconds,
+    MaximumConfigurations=1000000, EstimateMeshError=1, MaximumSeconds=arguments.maximum_seconds,
     ForceLimit=arguments.force_limit), arguments)
 start = time.time()
 space.UpdatePipeline()

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "accuracy/draw.h"
 #include "accuracy/measure.h"
@@ -31,7 +33,9 @@ struct Known {
 
   Measurement measure(Method method, std::int32_t factor = 1) {
     errors.clear();
-    return palpate::measure(space, space.tool_spaces.front(), {method, {}, factor}, points, errors);
+    const std::vector<std::optional<Vec3>> finer(points.size());
+    return palpate::measure(space, space.tool_spaces.front(), {method, {}, factor}, {points, finer},
+                            errors);
   }
 
   TouchSpace space;
