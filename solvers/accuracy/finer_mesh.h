@@ -16,8 +16,8 @@ namespace palpate {
 
 struct FinerForces {
   /// The force at each point of each tool space, less the error that the finer mesh still makes
-  /// where its estimate is reliable, N, on rank 0; empty elsewhere. Nothing: the point is not regular, or there is no
-  /// equilibrium on the finer mesh.
+  /// where its estimate is reliable, N, on rank 0; empty elsewhere. Nothing: the point is not
+  /// regular, or there is no equilibrium on the finer mesh.
   std::vector<std::vector<std::optional<Vec3>>> forces;
   /// The run was not aborted; the same on every rank.
   bool complete = true;
