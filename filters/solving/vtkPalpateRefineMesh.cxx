@@ -262,6 +262,7 @@ std::vector<palpate::TouchOnMesh> vtkPalpateRefineMesh::Touch(
   auto linearSolver = this->MakeLinearSolver(scene, touches.Threads);
   const vtkPalpateFollowOptions follow = { 1, this->IsSolverAutomatic() && !linearSolver };
   palpate::EquilibriumSolver solver(scene, touches.Options, std::move(linearSolver));
+  const palpate::MeshErrorEstimator estimator(scene, solver.assembly());
   std::vector<palpate::TouchOnMesh> result;
   for (std::size_t i = 0; i < touches.Ends.size(); ++i)
   {
@@ -277,7 +278,6 @@ std::vector<palpate::TouchOnMesh> vtkPalpateRefineMesh::Touch(
     {
       return {};
     }
-    const palpate::MeshErrorEstimator estimator(scene, solver.assembly());
     result.push_back(touches.Carried->tell(i, &*state, estimator, *route.Tool, scene.body.mesh));
   }
   touches.Carried->end(scene.body.mesh);
@@ -318,8 +318,7 @@ void vtkPalpateRefineMesh::DivideAll(const palpate::Scene& scene, vtkUnstructure
 {
   const palpate::TetMesh& mesh = scene.body.mesh;
   std::vector<palpate::Refinement> refinements;
-  refinements.push_back(
-    palpate::refine(mesh, std::vector<char>(static_cast<std::size_t>(mesh.num_cells()), 1)));
+  refinements.push_back(palpate::refine_all(mesh));
   const palpate::Index numCells = refinements.back().mesh.num_cells();
   if (numCells > this->MaximumCells)
   {

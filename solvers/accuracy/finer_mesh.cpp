@@ -36,7 +36,7 @@ struct Place {
 class FinerBody {
  public:
   FinerBody(const Scene& scene, const EquilibriumOptions& options)
-      : scene_(std::make_shared<const Scene>(divided(scene))),
+      : scene_(std::make_shared<const Scene>(refined(scene, refine_all(scene.body.mesh)))),
         solver_(*scene_, options, choose_tangent_solver(*scene_, options.threads)) {
     body_.scene = scene_;
     if (scene_->has_load()) {
@@ -51,29 +51,27 @@ class FinerBody {
 
   /// The force at t, less what it still errs; nothing: there is no equilibrium.
   /// @param is_aborted Set where the solve was aborted.
-  [[nodiscard]] std::optional<Vec3> solve(ToolSpaceSetup setup, const Vec3& t, bool& is_aborted) {
-    if (!setup.presses()) {
-      setup.interaction =
-          bonded_patch_spec(scene_->body.mesh, body_.at_rest, setup.interaction.active_node,
-                            setup.interaction.tip_radius);
-    }
-    const Equilibrium found = find(setup, t);
+  [[nodiscard]] std::optional<Vec3> solve(const ToolSpaceSetup& setup, const Vec3& t,
+                                          bool& is_aborted) {
+    if (!setup_ || !(setup_->key() == setup.key())) hold(setup);
+    const Equilibrium found = setup_->presses()
+                                  ? states_->begin(*setup_, t, Tangent::iterated)
+                                  : states_->solve(*setup_, t, rest_, Tangent::iterated);
     is_aborted = found.outcome == Outcome::aborted;
     if (found.outcome != Outcome::converged) return std::nullopt;
-    const MeshError error = states_->mesh_error(setup, found);
+    const MeshError error = states_->mesh_error(*setup_, found);
     return Vec3(found.reaction) - (error.is_reliable ? error.force : Vec3::Zero());
   }
 
  private:
-  [[nodiscard]] static Scene divided(const Scene& scene) {
-    const TetMesh& mesh = scene.body.mesh;
-    return refined(scene,
-                   refine(mesh, std::vector<char>(static_cast<std::size_t>(mesh.num_cells()), 1)));
-  }
-  [[nodiscard]] Equilibrium find(const ToolSpaceSetup& setup, const Vec3& t) {
-    if (setup.presses()) return states_->begin(setup, t, Tangent::iterated);
-    const Equilibrium rest = states_->begin(setup, Vec3::Zero(), Tangent::factorised);
-    return states_->solve(setup, t, rest, Tangent::iterated);
+  /// Takes the tool of a tool space. A bonded one has the points of this mesh.
+  void hold(const ToolSpaceSetup& setup) {
+    setup_ = setup;
+    if (setup.presses()) return;
+    setup_->interaction =
+        bonded_patch_spec(scene_->body.mesh, body_.at_rest, setup.interaction.active_node,
+                          setup.interaction.tip_radius);
+    rest_ = states_->begin(*setup_, Vec3::Zero(), Tangent::factorised);
   }
 
   std::shared_ptr<const Scene> scene_;
@@ -81,6 +79,9 @@ class FinerBody {
   SpaceBody body_;
   std::optional<InteractionFactory> tools_;
   std::optional<InteractionSolver> states_;
+  /// The tool space whose tool is held, and of a bonded tool the body at rest.
+  std::optional<ToolSpaceSetup> setup_;
+  Equilibrium rest_;
 };
 
 /// The regular points of all tool spaces, in the order of their bodies, on every rank.

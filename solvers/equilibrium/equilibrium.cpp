@@ -493,10 +493,7 @@ void EquilibriumSolver::Impl::find_worst_cell(Equilibrium& state) const {
   const Assembly& assembly = system_.assembly();
   NodalVector x = NodalVector::Zero(assembly.state_size());
   x.head(state.u.size()) = state.u;
-  const Assembly::Determinant least = assembly.minimum_det_f(x);
-  state.minimum_det_f = least.value;
-  state.minimum_det_f_cell = least.cell;
-  state.num_inverted_cells = least.num_inverted_cells;
+  take_worst_cell(assembly, x, state);
 }
 
 std::string EquilibriumSolver::Impl::explain_end(const Equilibrium& state, const Eigen::VectorXd& t,

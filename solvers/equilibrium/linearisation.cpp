@@ -5,12 +5,16 @@
 
 namespace palpate {
 
-void take_determinant(const Assembly& assembly, const NodalVector& x, LinearisedState& state) {
+void take_worst_cell(const Assembly& assembly, const NodalVector& x, LinearisedState& state) {
   const Assembly::Determinant least = assembly.minimum_det_f(x);
   state.minimum_det_f = least.value;
   state.minimum_det_f_cell = least.cell;
   state.num_inverted_cells = least.num_inverted_cells;
-  state.flags = least.value <= 0 ? flags::inverted : 0;
+}
+
+void take_determinant(const Assembly& assembly, const NodalVector& x, LinearisedState& state) {
+  take_worst_cell(assembly, x, state);
+  state.flags = state.minimum_det_f <= 0 ? flags::inverted : 0;
 }
 
 namespace {

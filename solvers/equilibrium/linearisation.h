@@ -18,7 +18,10 @@ struct Linearisation {
   NodalVector newton_step;
 };
 
-/// Fills in the least det F at x and its cell. It sets the flags to flags::inverted, or to none.
+/// Fills in the least det F at x, its cell, and the number of inverted cells.
+void take_worst_cell(const Assembly& assembly, const NodalVector& x, LinearisedState& state);
+
+/// Fills in the same, and sets the flags to flags::inverted, or to none.
 void take_determinant(const Assembly& assembly, const NodalVector& x, LinearisedState& state);
 
 /// Linearises at an equilibrium x with the tool at t, by a factor of the tangent.

@@ -222,6 +222,10 @@ Refinement refine(const TetMesh& mesh, const std::vector<char>& chosen) {
   return builder.take();
 }
 
+Refinement refine_all(const TetMesh& mesh) {
+  return refine(mesh, std::vector<char>(static_cast<std::size_t>(mesh.num_cells()), 1));
+}
+
 NodalVector carried(const TetMesh& mesh, const Refinement& refinement, const NodalVector& u) {
   NodalVector fine(3 * static_cast<Eigen::Index>(refinement.mesh.num_points()));
   fine.head(u.size()) = u;

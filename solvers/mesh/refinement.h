@@ -37,6 +37,9 @@ struct Refinement {
 /// @param chosen 1 for the cells whose edges are all halved, else 0 [num_cells].
 [[nodiscard]] Refinement refine(const TetMesh& mesh, const std::vector<char>& chosen);
 
+/// Divides every cell into eight.
+[[nodiscard]] Refinement refine_all(const TetMesh& mesh);
+
 /// The displacement of the new mesh that is the same everywhere in the body.
 /// @param mesh The old mesh. @param u Its displacement [3 × num_points].
 [[nodiscard]] NodalVector carried(const TetMesh& mesh, const Refinement& refinement,

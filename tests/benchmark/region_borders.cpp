@@ -44,7 +44,6 @@ struct Place {
 
 /// What was found on the slides between two regions.
 struct Border {
-  int slides = 0;
   /// Shares of the largest force on the same slide.
   double step = 0;
   double of_blending = 0;

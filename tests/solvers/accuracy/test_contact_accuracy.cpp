@@ -204,9 +204,7 @@ TEST_F(ContactAccuracy, FiguresAreThoseOfADirectComparison) {
 
 /// The force on the mesh whose cells are all divided, less its error where that is known.
 Vec3 force_on_finer_mesh(const Scene& scene, const RigidTool& tool, const Vec3& t) {
-  const TetMesh& mesh = scene.body.mesh;
-  const Scene finer = refined(
-      scene, refine(mesh, std::vector<char>(static_cast<std::size_t>(mesh.num_cells()), 1)));
+  const Scene finer = refined(scene, refine_all(scene.body.mesh));
   const RigidContact contact = make_contact(finer.body, with_defaults(tool, scene));
   EquilibriumSolver solver(finer, {});
   solver.set_interaction(contact);

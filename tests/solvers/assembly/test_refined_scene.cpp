@@ -153,8 +153,7 @@ TEST(RefinedScene, IsHeldInsideWhereWholeCellsAre) {
   for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
     if (is_held(scene.body.mesh.points[p])) scene.body.fixed[p] = 1;
   }
-  const Scene fine =
-      refined(scene, refine(scene.body.mesh, std::vector<char>(scene.body.mesh.num_cells(), 1)));
+  const Scene fine = refined(scene, refine_all(scene.body.mesh));
   const auto volume_held = [](const Scene& of) {
     return volume(subset(of.body.mesh, [&](Index c) {
       const Index* cell = of.body.mesh.cell(c);

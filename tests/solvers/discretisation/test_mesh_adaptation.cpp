@@ -77,10 +77,7 @@ TEST(MeshAdaptation, ReachesTheToleranceWithFewCells) {
   EXPECT_GT(kMostOfEstimate * adapted.rounds.front().errors[0], 2 * options.tolerance);
 
   // The truth: all cells of the adapted mesh divided, the rest of the error estimated.
-  const auto divided = [](const Scene& of) {
-    const std::vector<char> all(static_cast<std::size_t>(of.body.mesh.num_cells()), 1);
-    return refined(of, refine(of.body.mesh, all));
-  };
+  const auto divided = [](const Scene& of) { return refined(of, refine_all(of.body.mesh)); };
   const TouchOnMesh fine = press(divided(adapted.scene), places, 0.004)[0];
   const Eigen::VectorXd truth = fine.force - fine.error;
   const auto error_of = [&](const Scene& of) {

@@ -158,7 +158,7 @@ TEST_P(RefinementOfAnyOrder, ADisplacementIsCarriedAsItIs) {
 TEST(Refinement, PartsOfACurvedCellAreItsOwn) {
   TetMesh mesh = make_box(ElementOrder::quadratic, {2, 1, 1}, kSize);
   warp_curved(mesh, wavy(kSize));
-  const Refinement fine = refine(mesh, std::vector<char>(mesh.num_cells(), 1));
+  const Refinement fine = refine_all(mesh);
   EXPECT_EQ(fine.mesh.num_cells(), 8 * mesh.num_cells());
   const auto place_of = [&](Index part, int corner) -> Vec3 {
     const Index point = fine.mesh.cell(part)[corner];
