@@ -19,6 +19,13 @@ constexpr double kPointsOfTerm = 2.4;
 
 constexpr int kTermsOfDegree[3] = {1, 4, 10};
 
+/// By how much a fit may magnify what its points have, at the most. Where the points of a patch
+/// hardly tell two polynomials apart, as in a few flat cells or in the parts of one divided cell,
+/// the value of the fit is a difference of large numbers.
+constexpr double kMostAmplification = 8;
+/// How often a patch is grown for that.
+constexpr int kGrowths = 2;
+
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 
 /// The monomials up to the second degree, of which the first `terms` are used.
@@ -72,6 +79,71 @@ class Patches {
   std::map<Corner, std::vector<Index>> cells_;
 };
 
+/// Values at places as weighted sums of the values at points.
+struct Fit {
+  std::vector<Index> points;
+  /// [places × points].
+  Eigen::MatrixXd weights;
+
+  [[nodiscard]] double amplification() const {
+    return weights.cwiseAbs().rowwise().sum().maxCoeff();
+  }
+};
+
+/// Least squares by polynomials around the corners of a mesh.
+class Fitting {
+ public:
+  /// @param points The quadrature points of each cell, cell by cell, `of_cell` each.
+  Fitting(const TetMesh& mesh, const Patches& patches, const std::vector<Vec3>& points, int of_cell)
+      : mesh_(mesh), patches_(patches), points_(points), of_cell_(of_cell) {}
+
+  /// The polynomial around a corner, at nodes of the mesh: of the degree of the shape functions,
+  /// or of a lower one where there are too few cells for it or they do not determine it.
+  [[nodiscard]] Fit around(const Patches::Corner& corner, const std::set<Index>& nodes) const {
+    for (int degree = static_cast<int>(mesh_.order);; --degree) {
+      const int terms = kTermsOfDegree[degree];
+      const auto enough = static_cast<std::size_t>(kPointsOfTerm * terms / of_cell_);
+      std::set<Index> patch = patches_.grown(corner, enough);
+      if (degree > 0 && patch.size() < enough) continue;
+      for (int growth = 0; growth <= kGrowths; ++growth) {
+        Fit fit = fitted(patch, mesh_.points[corner.second], nodes, terms);
+        if (degree == 0 || fit.amplification() <= kMostAmplification) return fit;
+        patch = patches_.grown(corner, patch.size() + 1);
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] Fit fitted(const std::set<Index>& patch, const Vec3& centre,
+                           const std::set<Index>& nodes, int terms) const {
+    double extent = 0;
+    for (const Index c : patch) {
+      for (int a = 0; a < 4; ++a) {
+        extent = std::max(extent, (mesh_.points[mesh_.cell(c)[a]] - centre).norm());
+      }
+    }
+    Fit fit;
+    for (const Index c : patch) {
+      for (int q = 0; q < of_cell_; ++q) fit.points.push_back(c * of_cell_ + q);
+    }
+    const auto of = [&](const Vec3& x) { return monomials((x - centre) / extent, terms); };
+    Eigen::MatrixXd at_points(fit.points.size(), terms);
+    for (Eigen::Index row = 0; row < at_points.rows(); ++row) {
+      at_points.row(row) = of(points_[fit.points[static_cast<std::size_t>(row)]]).transpose();
+    }
+    Eigen::MatrixXd at_nodes(nodes.size(), terms);
+    Eigen::Index row = 0;
+    for (const Index node : nodes) at_nodes.row(row++) = of(mesh_.points[node]).transpose();
+    fit.weights = at_nodes * at_points.completeOrthogonalDecomposition().pseudoInverse();
+    return fit;
+  }
+
+  const TetMesh& mesh_;
+  const Patches& patches_;
+  const std::vector<Vec3>& points_;
+  int of_cell_;
+};
+
 }  // namespace
 
 GradientRecovery::GradientRecovery(const TetMesh& mesh, const std::vector<Index>& tissue_of_cell)
@@ -108,6 +180,7 @@ void GradientRecovery::make_gradients(const TetMesh& mesh) {
 
 void GradientRecovery::make_nodes(const TetMesh& mesh, const std::vector<Index>& tissue_of_cell) {
   const Patches patches(mesh, tissue_of_cell);
+  const Fitting fitting(mesh, patches, places_, points_per_cell_);
   std::map<Patches::Corner, Index> numbers;
   for (Index c = 0; c < mesh.num_cells(); ++c) {
     for (int a = 0; a < nodes_per_cell_; ++a) {
@@ -120,32 +193,7 @@ void GradientRecovery::make_nodes(const TetMesh& mesh, const std::vector<Index>&
   std::vector<std::map<Index, double>> weights(numbers.size());
   std::vector<int> num_fits(numbers.size(), 0);
 
-  const int degree = static_cast<int>(mesh.order);
-  const double cells_of_term = kPointsOfTerm / points_per_cell_;
   for (const auto& [corner, around] : patches.cells()) {
-    const auto enough = [&](int terms) { return static_cast<std::size_t>(cells_of_term * terms); };
-    const std::set<Index> patch = patches.grown(corner, enough(kTermsOfDegree[degree]));
-    int terms = kTermsOfDegree[degree];
-    for (int d = degree; d > 0 && patch.size() < enough(terms); --d) terms = kTermsOfDegree[d - 1];
-
-    const Vec3& centre = mesh.points[corner.second];
-    double extent = 0;
-    for (const Index c : patch) {
-      for (int a = 0; a < 4; ++a) {
-        extent = std::max(extent, (mesh.points[mesh.cell(c)[a]] - centre).norm());
-      }
-    }
-    std::vector<Index> points;
-    for (const Index c : patch) {
-      for (int q = 0; q < points_per_cell_; ++q) points.push_back(c * points_per_cell_ + q);
-    }
-    Eigen::MatrixXd fit(points.size(), terms);
-    for (std::size_t s = 0; s < points.size(); ++s) {
-      fit.row(static_cast<Eigen::Index>(s)) =
-          monomials((places_[points[s]] - centre) / extent, terms).transpose();
-    }
-    const Eigen::MatrixXd coefficients = fit.completeOrthogonalDecomposition().pseudoInverse();
-
     std::set<Index> fitted{corner.second};
     for (const Index c : around) {
       for (int e = 4; e < nodes_per_cell_; ++e) {
@@ -155,14 +203,15 @@ void GradientRecovery::make_nodes(const TetMesh& mesh, const std::vector<Index>&
         }
       }
     }
+    const Fit fit = fitting.around(corner, fitted);
+    Eigen::Index row = 0;
     for (const Index point : fitted) {
-      const Eigen::RowVectorXd at =
-          monomials((mesh.points[point] - centre) / extent, terms).transpose() * coefficients;
       const Index node = numbers.at({corner.first, point});
       ++num_fits[node];
-      for (std::size_t s = 0; s < points.size(); ++s) {
-        weights[node][points[s]] += at[static_cast<Eigen::Index>(s)];
+      for (std::size_t s = 0; s < fit.points.size(); ++s) {
+        weights[node][fit.points[s]] += fit.weights(row, static_cast<Eigen::Index>(s));
       }
+      ++row;
     }
   }
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
