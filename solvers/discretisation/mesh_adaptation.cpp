@@ -110,6 +110,13 @@ std::optional<Refinement> finer(const TetMesh& mesh, const std::vector<TouchOnMe
   }
 }
 
+/// The error of a force as a share of it; NaN: there is none.
+double share_of_force(const TouchOnMesh& touch, double force) {
+  if (force > 0) return touch.error.norm() / force;
+  if (!touch.is_known) return kNaN;
+  return touch.error.isZero(0) ? 0 : std::numeric_limits<double>::infinity();
+}
+
 /// @param before The touches on the mesh before; empty: there is none.
 AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
                         const std::vector<TouchOnMesh>& before, Index num_cells) {
@@ -120,7 +127,7 @@ AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
     const double force = touch.force.size() > 0 ? touch.force.norm() : 0;
     round.forces.push_back(touch.force);
     round.corrected_forces.push_back(touch.force - touch.error);
-    round.errors.push_back(force > 0 ? touch.error.norm() / force : kNaN);
+    round.errors.push_back(share_of_force(touch, force));
     const bool may_compare = force > 0 && !before.empty() && before[i].is_known && touch.is_known;
     round.changes.push_back(
         may_compare
