@@ -259,10 +259,10 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene,
             "the error is up to three times the estimate; of a force that holds a single point "
             "(TipRadius below the edges of the cells) all is error. Give the tool a TipRadius of "
             "several edges, or touch with a rigid tool, for which the estimate is made."
-          : "It is made for quadratic cells, and for cells that "
-            "are not too large for what the tool does to them. Choose quadratic cells where the "
-            "body is meshed (ElementOrder), or mesh it more finely where MeshErrorEnergy is "
-            "large."));
+          : "It is made for quadratic cells, for cells that are not too large for what the tool "
+            "does to them, and for tissues whose stiffness hardly changes within the error of the "
+            "strain. Choose quadratic cells where the body is meshed (ElementOrder), or mesh it "
+            "more finely where MeshErrorEnergy is large."));
 }
 
 void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,

@@ -59,10 +59,7 @@ std::vector<ToolSpaceSetup> share_setups(
                        ". Choose 'Energy Hermite' or 'Trilinear' among them.");
     }
   });
-  Packer mine;
-  mine.put_list(setups);
-  const std::vector<Bytes> all = communicator.all_gather(mine.take());
-  return Unpacker(all.front()).take_list<std::vector<ToolSpaceSetup>>();
+  return of_first(setups, communicator);
 }
 
 double share_above(const std::vector<double>& values, double limit) {

@@ -405,15 +405,14 @@ ExactResult solve_test_points(const std::vector<std::shared_ptr<const Scene>>& s
     if (!body.scene->has_load()) continue;
     body.at_rest = settle(*body.scene, solvers.equilibria(body.number), options.file, communicator);
   }
-  Packer drawn;
+  std::vector<std::vector<TestPoint>> drawn;
   agree(communicator, [&] {
     for (const ToolSpaceSetup& setup : setups) {
       (void)solvers.tools(setup.body).make(setup.interaction);
     }
-    if (communicator.rank() == 0) drawn.put(draw(bodies, setups, options, solvers));
+    if (communicator.rank() == 0) drawn = draw(bodies, setups, options, solvers);
   });
-  const std::vector<Bytes> all_drawn = communicator.all_gather(drawn.take());
-  const auto points = Unpacker(all_drawn.front()).take<std::vector<std::vector<TestPoint>>>();
+  const std::vector<std::vector<TestPoint>> points = of_first(drawn, communicator);
   TestRecord record(bodies, setups, options, communicator);
 
   ExactResult result;

@@ -104,10 +104,7 @@ std::vector<Place> share_places(const std::vector<ToolSpaceSetup>& setups,
              setups[static_cast<std::size_t>(b.tool_space)].body;
     });
   }
-  Packer mine;
-  mine.put(places);
-  const std::vector<Bytes> all = communicator.all_gather(mine.take());
-  return Unpacker(all.front()).take<std::vector<Place>>();
+  return of_first(places, communicator);
 }
 
 }  // namespace

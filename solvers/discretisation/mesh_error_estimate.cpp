@@ -19,6 +19,10 @@ constexpr double kCorrection = 1.4;
 constexpr double kStep = 1e-5;
 /// The largest share of the force that its error may be.
 constexpr double kMostReliable = 0.5;
+/// By how much the squared norm may change, as a share of it, if the tangent is that at the
+/// recovered gradient. At random touches of two livers it changed by 8 % at the most where the
+/// estimate was good, and by 20 to 70 % where it was not, as in a law that stiffens steeply.
+constexpr double kMostChange = 0.15;
 /// A tool that has moved by no more than this share of an edge is at rest.
 constexpr double kRest = 1e-6;
 
@@ -149,8 +153,11 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
                       estimate.force.allFinite() &&
                       estimate.force.norm() <= kMostReliable * largest;
   estimate.is_bonded = !tool.prescribed_points().empty();
-  estimate.is_reliable =
-      estimate.is_small && !estimate.is_bonded && order_ == ElementOrder::quadratic;
+  const double at_recovered =
+      integral({here.h + here.d, here.d, here.pressure, here.pressure_error});
+  estimate.is_reliable = estimate.is_small && !estimate.is_bonded &&
+                         order_ == ElementOrder::quadratic &&
+                         std::abs(at_recovered - squared) <= kMostChange * squared;
   return estimate;
 }
 

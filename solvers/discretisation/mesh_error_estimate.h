@@ -44,10 +44,15 @@ struct MeshErrorEstimate {
   bool is_small = true;
   /// Whether a tool is bonded to points of the body.
   bool is_bonded = false;
-  /// Whether the estimate may be trusted: where it is small, but not for bodies of linear cells,
-  /// for which c was not fitted, nor where a tool is bonded to the body. The stress is singular at
-  /// the rim of a bonded tip, so that the estimate is a third to four fifths of the error; and the
-  /// force that holds a single point is an error as a whole.
+  /// Whether the estimate may be trusted: where it is small, but not
+  /// - for bodies of linear cells, for which c was not fitted;
+  /// - where a tool is bonded to the body. The stress is singular at the rim of a bonded tip, so
+  /// that
+  ///   the estimate is a third to four fifths of the error; and the force that holds a single point
+  ///   is an error as a whole;
+  /// - where the tangent at H and that at H* give different norms: the recovered gradient is too
+  /// far
+  ///   away for a law that stiffens so steeply.
   bool is_reliable = true;
 };
 

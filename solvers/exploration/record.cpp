@@ -374,15 +374,12 @@ class FileRecord final : public Record {
   /// The tool spaces in the file of rank 0, on all ranks.
   /// @note Collective
   [[nodiscard]] std::vector<ToolSpaceSetup> all_setups() {
-    Packer mine;
+    std::vector<ToolSpaceSetup> setups;
     agree(communicator_, [&] {
-      std::vector<ToolSpaceSetup> setups;
       if (communicator_.rank() != 0) return;
       for (const ToolSpace& space : files_.own().read_tool_spaces()) setups.push_back(space.setup);
-      mine.put_list(setups);
     });
-    const std::vector<Bytes> all = communicator_.all_gather(mine.take());
-    return Unpacker(all.front()).take_list<std::vector<ToolSpaceSetup>>();
+    return of_first(setups, communicator_);
   }
 
   /// The results that the file of this rank has of some tool spaces.

@@ -41,12 +41,11 @@ SettledBody find_rest(const Scene& scene, const EquilibriumSolver& solver,
 SettledBody settle(const Scene& scene, const EquilibriumSolver& solver,
                    const std::filesystem::path& file, Communicator& communicator) {
   if (!scene.has_load()) return {};
-  Packer mine;
+  SettledBody rest;
   agree(communicator, [&] {
-    if (communicator.rank() == 0) mine.put(find_rest(scene, solver, file));
+    if (communicator.rank() == 0) rest = find_rest(scene, solver, file);
   });
-  const std::vector<Bytes> all = communicator.all_gather(mine.take());
-  return Unpacker(all.front()).take<SettledBody>();
+  return of_first(rest, communicator);
 }
 
 }  // namespace palpate

@@ -50,15 +50,6 @@ TrainingStates states_of(const Eigen::MatrixXd& matrix, const TrainingPart& part
   return states;
 }
 
-/// The flags of rank 0, on every rank.
-/// @note Collective
-std::vector<char> share(std::vector<char> flags, Communicator& communicator) {
-  Packer mine;
-  if (communicator.rank() == 0) mine.put(flags);
-  const std::vector<Bytes> all = communicator.all_gather(mine.take());
-  return Unpacker(all.front()).take<std::vector<char>>();
-}
-
 }  // namespace
 
 bool train(const std::vector<TrainingPart>& parts, const TrainingRun& run,
@@ -74,7 +65,7 @@ bool train(const std::vector<TrainingPart>& parts, const TrainingRun& run,
       const auto stored = found.find(part.name);
       is_found.push_back(stored != found.end() && fits(stored->second, part) ? 1 : 0);
     }
-    is_found = share(std::move(is_found), communicator);
+    is_found = of_first(is_found, communicator);
     std::vector<std::size_t> missing;
     for (std::size_t p = 0; p < parts.size(); ++p) {
       if (is_found[p] == 0) missing.push_back(p);

@@ -196,6 +196,16 @@ class Unpacker {
   std::size_t at_ = 0;
 };
 
+/// The value of rank 0, on every rank.
+/// @note Collective
+template <class T>
+[[nodiscard]] T of_first(const T& value, Communicator& communicator) {
+  Packer mine;
+  if (communicator.rank() == 0) mine.put(value);
+  const std::vector<Bytes> all = communicator.all_gather(mine.take());
+  return Unpacker(all.front()).take<T>();
+}
+
 /// Appends the lists of the other ranks, by rank, to that of rank 0, and empties them.
 /// @note Collective
 template <class T>

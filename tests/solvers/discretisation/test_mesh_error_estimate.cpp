@@ -219,5 +219,17 @@ TEST(MeshError, IsNotTrustedWhereItWasNotFitted) {
   EXPECT_LT(none.force.norm(), 1e-9);
 }
 
+TEST(MeshError, IsNotTrustedWhereTheTangentChangesWithinTheError) {
+  // White matter of a brain, which stiffens steeply where it is pressed.
+  const double mu = 631;
+  const Touched touched(palpate::make_material(Law::ogden, {100 * mu, mu, -24, 0, 0, 0, 0}),
+                        {4, 3, 2}, true);
+  const Equilibrium at = touched.touch();
+  ASSERT_EQ(at.outcome, Outcome::converged);
+  const MeshErrorEstimate estimate = touched.estimator().estimate(at, *touched.tool);
+  EXPECT_TRUE(estimate.is_small);
+  EXPECT_FALSE(estimate.is_reliable);
+}
+
 }  // namespace
 }  // namespace palpate::test::test_mesh_error_estimate
