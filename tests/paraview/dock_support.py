@@ -5,10 +5,11 @@ import contextlib
 import os
 import re
 import time
+import traceback
 
-from paraview.simple import FindSource
+from paraview.simple import Delete, FindSource, GetSources
 
-from qt import Button, QTest, part, wait, wait_until
+from qt import Button, QTest, application, part, wait, wait_until, window
 
 
 def wait_for(condition, what):
@@ -35,6 +36,30 @@ def click_stop():
     assert runs()
     QTest.mouseClick(part("start"), Button.LeftButton)
     assert not runs()
+
+
+def clear(size):
+    """Nothing is open any more, in a window of that size."""
+    # What a source is made of is older than the source.
+    for _, source in sorted(GetSources().items(), key=lambda item: -int(item[0][1])):
+        Delete(source)
+    window.resize(size)
+    wait(0.2)
+
+
+def run_in_turn(scripts):
+    """One after another in the same window, those of a table that PALPATE_INTERACTOR_RUN names; and
+    quits. What fails is printed, and nothing is run after it."""
+    size = window.size()
+    try:
+        for i, name in enumerate(os.environ["PALPATE_INTERACTOR_RUN"].split(",")):
+            if i > 0:
+                clear(size)
+            scripts[name]()
+    except BaseException:
+        traceback.print_exc()
+        window.grab().save("failed.png")
+    application.quit()
 
 
 def touches():

@@ -6,13 +6,12 @@ clicked."""
 import os
 import re
 import sys
-import traceback
 
 from paraview import servermanager
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from dock_support import measure_frames, runs, said, unfold, wait_for
+from dock_support import measure_frames, run_in_turn, runs, said, unfold, wait_for
 from qt import (Button, Event, QtCore, QTest, QtWidgets, application, part, pixel_of, press_escape,
                 send, wait, window)
 from support import box_body, node_at, source
@@ -24,6 +23,8 @@ CORNERS = [[LENGTH, y, WIDTH] for y in (0, WIDTH)]
 # Of the top, between the tools, that neither holds.
 BETWEEN = [LENGTH, WIDTH / 2, WIDTH]
 IMAGE = [600, 450]
+# A place that is touched moves by more than this, m.
+MOVED = 0.0005
 TOOL, DEVICE, FORCE, STATE = range(4)
 
 
@@ -35,7 +36,8 @@ def model_of_block(**settings):
     boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 0], [1, 0, 0]
     nodes = [node_at(boundary, place) for place in CORNERS]
     model = BuildReducedModel(Input=boundary, ActiveNodes=nodes, TipRadius=0.02, Reach=REACH,
-                              Modes=30, TrainingPaths=2, **settings)
+                              Modes=30, TrainingPaths=2, PathDuration=0.5, TestPaths=0,
+                              **settings)
     view = GetActiveViewOrCreate("RenderView")
     Show(model, view)
     model.UpdatePipeline()
@@ -93,23 +95,26 @@ def shown_at(place):
 
 
 def largest_at(place, seconds):
-    """Of the displacement of a point in some time, m."""
+    """Of the displacement of a point in some time, m; not longer than until it has moved."""
     largest = 0
     for _ in range(round(seconds / 0.1)):
         wait(0.1)
         largest = max(largest, max(abs(u) for u in shown_at(place)))
+        if largest > MOVED:
+            break
     return largest
 
 
-def press_and_drag(view, steps=20, place=CORNERS[0]):
-    """Tool 0 is held by the mouse, and moved upwards."""
+def press_and_drag(view, distance=20, place=CORNERS[0]):
+    """Tool 0 is held by the mouse, and moved upwards by some pixels."""
+    step = 5
     at = pixel_of(view, place)
     send(Event.MouseButtonPress, at)
-    for i in range(1, steps + 1):
-        send(Event.MouseMove, at + QtCore.QPoint(0, -i), Button.NoButton)
+    for way in range(step, distance + 1, step):
+        send(Event.MouseMove, at + QtCore.QPoint(0, -way), Button.NoButton)
         wait(0.02)
     wait_for(lambda: holds(0) and force(0) > 0.05, "the mouse holds tool 0")
-    return at + QtCore.QPoint(0, -steps)
+    return at + QtCore.QPoint(0, -distance)
 
 
 def let_go(at):
@@ -159,7 +164,7 @@ def sagging():
     assert max(u[2] for u in hung) < -0.03, hung
     place = [x + u for x, u in zip(CORNERS[0], hung[1])]
     end = press_and_drag(view, place=place)
-    print("forces", force(0))
+    print("sagging", force(0))
     let_go(end)
     choose_device(1, "Simulated hand")
     wait_for(lambda: holds(1) and force(1) > 0.05, "the hand holds tool 1")
@@ -257,16 +262,7 @@ def remote():
     print("ended 1")
 
 
-def main():
-    try:
-        {"both": both, "apart": apart, "sagging": sagging,
-         "remote": remote}[os.environ["PALPATE_INTERACTOR_RUN"]]()
-    except BaseException:
-        traceback.print_exc()
-        window.grab().save("failed.png")
-    application.quit()
-
-
 if __name__ != "hands_script":  # Else another script uses what is here.
     # In the loop of events, as what a person does.
-    QtCore.QTimer.singleShot(300, main)
+    QtCore.QTimer.singleShot(300, lambda: run_in_turn(
+        {"both": both, "apart": apart, "sagging": sagging, "remote": remote}))
