@@ -24,6 +24,11 @@ VOXEL = 8.0  # mm
 # are of: smaller than in the state, and the tool of the state still presses it. m
 REGION = {"brain": 0.004, "nodule": 0.003, "palpation": 0.006}
 EDGE = 0.05  # of the tetrahedra of the egg, m
+# What divides the body of such a state into tetrahedra, which take less time if they are linear.
+DIVIDES = {"brain": "TetrahedralizeLabelMap", "nodule": "TetrahedralizeSurface",
+           "palpation": "TetrahedralizeSurface"}
+# Of the paths on which a reduced model is trained, s.
+PATH_DURATION = 0.2
 # Points at which the accuracy of a space is measured.
 TEST_POINTS = 8
 INSIDE = 1
@@ -53,8 +58,11 @@ def make_smaller(name):
     """The filters of a state compute when it is drawn, and not before."""
     if name in REGION:
         filter_of("PrecomputeStateSpace").ToolRegion.Radius = REGION[name]
+        filter_of(DIVIDES[name]).ElementOrder = "Linear"
     if name == "brain":
         filter_of("TetrahedralizeLabelMap").ElementSize = EDGE
+    if name in ("two_hands", "wobble"):
+        filter_of("BuildReducedModel").PathDuration = PATH_DURATION
     if name == "accuracy":
         filter_of("AccuracyReport").TestPoints = TEST_POINTS
 
