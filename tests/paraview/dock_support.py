@@ -7,9 +7,10 @@ import re
 import time
 import traceback
 
-from paraview.simple import Delete, FindSource, GetSources
+from paraview.simple import FindSource
 
 from qt import Button, QTest, application, part, wait, wait_until, window
+from support import delete_all
 
 
 def wait_for(condition, what):
@@ -40,9 +41,7 @@ def click_stop():
 
 def clear(size):
     """Nothing is open any more, in a window of that size."""
-    # What a source is made of is older than the source.
-    for _, source in sorted(GetSources().items(), key=lambda item: -int(item[0][1])):
-        Delete(source)
+    delete_all()
     window.resize(size)
     wait(0.2)
 

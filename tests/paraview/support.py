@@ -5,7 +5,7 @@ import itertools
 
 import numpy
 from paraview import servermanager
-from paraview.simple import (AssignMaterial, PVTrivialProducer, SetBoundary,
+from paraview.simple import (AssignMaterial, Delete, GetSources, PVTrivialProducer, SetBoundary,
                              XMLUnstructuredGridReader)
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkPoints, vtkStringOutputWindow
@@ -68,6 +68,14 @@ def produce(grid):
     producer = PVTrivialProducer()
     producer.GetClientSideObject().SetOutput(grid)
     return producer
+
+
+def delete_all(but=()):
+    """Every source of the pipeline, but those with these keys: what a source is made of is older
+    than the source."""
+    for key, proxy in sorted(GetSources().items(), key=lambda item: -int(item[0][1])):
+        if key not in but:
+            Delete(proxy)
 
 
 def fetch(proxy):

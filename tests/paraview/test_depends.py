@@ -6,15 +6,16 @@ never run says what is right.
 Every property of the filters is named here, so that a new one cannot be forgotten.
 """
 
+import contextlib
 import os
 import shutil
 
 import numpy
 from paraview import servermanager
-from paraview.simple import (AssignMaterial, BuildReducedModel, Delete, PrecomputeStateSpace,
+from paraview.simple import (AssignMaterial, BuildReducedModel, GetSources, PrecomputeStateSpace,
                              SetBoundary)
 from state_space_support import TIMES, arrays_of
-from support import Messages, box_body, node_at, produce
+from support import Messages, box_body, delete_all, node_at, produce
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 CORNER = (0.2, 0.1, 0.1)
@@ -122,6 +123,15 @@ def held_in(proxy, name, value):
     return list(has) if isinstance(value, list) else has
 
 
+@contextlib.contextmanager
+def made(make):
+    """What make() gives, for as long as the context lasts: ParaView makes a source more slowly, the
+    more of them there are."""
+    before = set(GetSources())
+    yield make()
+    delete_all(before)
+
+
 def check_properties(make, changes):
     """A filter that has run gives what one that has not gives, whatever is changed.
     @param make makes a filter that has not run. @param changes other values by property.
@@ -132,15 +142,14 @@ def check_properties(make, changes):
     assert base is not None
     effects = set()
     for name, value in changes.items():
-        fresh = make()
-        change(fresh, name, value)
-        right = outcome(fresh)
+        with made(make) as fresh:
+            change(fresh, name, value)
+            right = outcome(fresh)
         change(ran, name, value)
         assert not differences(outcome(ran), right), name
         change(ran, name, before[name])
         if differences(right, base):
             effects.add(name)
-        Delete(fresh)
     assert not differences(outcome(ran), base)
     return effects
 
@@ -159,20 +168,18 @@ def states(result):
 def with_file_of_another(make, changes, file):
     """For each change its name, and what comes of it without a file and with that of a filter that
     is not changed."""
-    kept = make()
-    kept.FileName = file
-    assert outcome(kept) is not None
-    Delete(kept)
+    with made(make) as kept:
+        kept.FileName = file
+        assert outcome(kept) is not None
     shutil.copy(file, "base.palpate")
     for name, value in changes.items():
         results = []
         for file_name in ("", file):
             shutil.copy("base.palpate", file)
-            proxy = make()
-            proxy.FileName = file_name
-            change(proxy, name, value)
-            results.append(outcome(proxy))
-            Delete(proxy)
+            with made(make) as proxy:
+                proxy.FileName = file_name
+                change(proxy, name, value)
+                results.append(outcome(proxy))
         yield name, *results
 
 
@@ -325,18 +332,23 @@ BODIES = {
 def check_bodies(make, file):
     """What finds the file of another body gives what it gives without a file, or refuses."""
     bodies = {name: body_with(**settings) for name, settings in BODIES.items()}
-    right = {name: outcome(make(boundary, "")) for name, boundary in bodies.items()}
+
+    def found(boundary, file):
+        with made(lambda: make(boundary, file)) as proxy:
+            return outcome(proxy)
+
+    right = {name: found(boundary, "") for name, boundary in bodies.items()}
     for name, result in right.items():
         assert all(differences(result, right[other]) for other in right if other != name), name
     for body_of_file in ("dense half", "stiff half", "viscous half", "springs"):
         if os.path.exists(file):
             os.remove(file)
-        assert not differences(outcome(make(bodies[body_of_file], file)), right[body_of_file])
+        assert not differences(found(bodies[body_of_file], file), right[body_of_file])
         shutil.copy(file, "base.palpate")
         for name, boundary in bodies.items():
             shutil.copy("base.palpate", file)
-            found = outcome(make(boundary, file))
-            assert found is None or not differences(found, right[name]), (body_of_file, name)
+            result = found(boundary, file)
+            assert result is None or not differences(result, right[name]), (body_of_file, name)
 
 
 def test_reduced_model():
@@ -379,4 +391,5 @@ if __name__ == "__main__":
     for name, test in list(globals().items()):
         if name.startswith("test_"):
             test()
+            delete_all()
             print(name, "passed", flush=True)
