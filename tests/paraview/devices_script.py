@@ -8,15 +8,14 @@ import os
 import signal
 import struct
 import sys
-import traceback
 
 import numpy
 from paraview.simple import Delete, FindSource, OpenDataFile, Show
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from dock_support import click_start, runs, touch_filter, touches, wait_for
+from dock_support import click_start, run_in_turn, runs, touch_filter, touches, wait_for
 from hands_script import CORNERS, LENGTH, WIDTH, cell, choose_device, model_of_block
-from qt import Button, QtCore, QTest, application, part, wait, window
+from qt import Button, QtCore, QTest, part, wait
 
 FOLDER = os.environ["PALPATE_FAKE_HID"]
 NAMES = ("buttons", "plain")
@@ -139,7 +138,8 @@ def dead_man():
     wait(0.5)
     assert len(sent("plain")) == last and not sent("plain")[-1].any(), "zero is the last"
     stop()
-    print("passed 1")
+    part("needsButton").setChecked(False)
+    print("dead_man 1")
 
 
 def throw_at(source):
@@ -177,7 +177,7 @@ def failing():
     throw_at(touch_filter())
     wait_for(lambda: not runs(), "it ends")
     assert "thrown by a test" in part("message").text(), part("message").text()
-    print("passed 1")
+    print("failing 1")
 
 
 def crash():
@@ -197,15 +197,6 @@ def crash():
     ctypes.memset(0, 0, 1)
 
 
-def main():
-    try:
-        runs_of = {"dead_man": dead_man, "failing": failing, "crash": crash}
-        runs_of[os.environ["PALPATE_INTERACTOR_RUN"]]()
-    except BaseException:
-        traceback.print_exc()
-        window.grab().save("failed.png")
-    application.quit()
-
-
 # In the loop of events, as what a person does.
-QtCore.QTimer.singleShot(300, main)
+QtCore.QTimer.singleShot(300, lambda: run_in_turn(
+    {"dead_man": dead_man, "failing": failing, "crash": crash}))

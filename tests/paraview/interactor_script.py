@@ -8,13 +8,12 @@ import signal
 import subprocess
 import sys
 import time
-import traceback
 
 from paraview import servermanager
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from dock_support import (click_start, click_stop, measure_frames, number, runs, said,
+from dock_support import (click_start, click_stop, measure_frames, number, run_in_turn, runs, said,
                           touch_filter, touches, wait_for)
 from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, action, apply,
                 application, canvas, choose, click, dialogs, dock, drag, in_dialog, is_shown, menu,
@@ -122,6 +121,8 @@ def touching():
     SaveScreenshot("rest_again.png", view, ImageResolution=[600, 450])
     assert os.path.exists("touch-2.csv")
     assert part("recorded").text().endswith("touch-2.csv"), part("recorded").text()
+    part("records").click()
+    part("graph").setChecked(False)
 
 
 def let_go(at):
@@ -202,7 +203,8 @@ def busy():
         time.sleep(4)  # as a filter does that works for long
         assert key.poll() == 0, key.poll()
     wait_for(lambda: not runs(), "it has ended")
-    print("ticks", number("recorded") - before)
+    part("records").click()
+    print("busy", number("recorded") - before)
 
 
 def mouse():
@@ -244,7 +246,7 @@ def mouse():
     view.CameraPosition = before
     Render()
 
-    end = drag(node, QtCore.QPoint(1, -1), 25)
+    end = drag(node, QtCore.QPoint(5, -5), 5)
     wait_for(touches, "the press takes hold")
     assert "dot" not in said(view), said(view)
     wait_for(lambda: number("force") > 0.05, "the drag is felt")
@@ -377,7 +379,7 @@ def road():
     click_start("Mouse")
     wait(0.3)
     node = pixel_of_node(view, touch_filter())
-    end = drag(node, QtCore.QPoint(1, -1), 20)
+    end = drag(node, QtCore.QPoint(4, -4), 5)
     wait_for(lambda: touches() and number("force") > 0.05, "the liver is felt")
     assert number("place") == 107
     SaveScreenshot("road_touched.png", view, ImageResolution=[320, 240])
@@ -513,16 +515,8 @@ def goes_on(leave):
     leave()
 
 
-def main():
-    try:
-        {"touching": touching, "dots": dots, "escape": escape, "busy": busy,
-         "mouse": mouse, "road": road, "ends": ends, "remote": remote, "lost": lost,
-         "quit": lambda: goes_on(application.quit),
-         "close": lambda: goes_on(window.close)}[os.environ["PALPATE_INTERACTOR_RUN"]]()
-    except BaseException:
-        traceback.print_exc()
-    application.quit()
-
-
 # In the loop of events, as what a person does.
-QtCore.QTimer.singleShot(300, main)
+QtCore.QTimer.singleShot(300, lambda: run_in_turn(
+    {"touching": touching, "dots": dots, "escape": escape, "busy": busy, "mouse": mouse,
+     "road": road, "ends": ends, "remote": remote, "lost": lost,
+     "quit": lambda: goes_on(application.quit), "close": lambda: goes_on(window.close)}))
