@@ -12,7 +12,7 @@ inline void press_corner_of_block(PrecomputeOptions& options, double from = 0.08
   options.active_nodes.clear();
   options.contact.emplace();
   options.contact->tool.radius = 0.015;
-  options.contact->spacing = 0.0075;
+  options.contact->spacing = 0.01;
   options.contact->shell.depth = 0.004;
   options.contact->shell.region = [from](const Vec3& place) {
     return place.x() > from && place.z() > 0.04;

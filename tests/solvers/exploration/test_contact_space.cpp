@@ -52,7 +52,7 @@ class ContactSpace : public testing::Test {
   void SetUp() override {
     options_.contact.emplace();
     options_.contact->tool.radius = kRadius;
-    options_.contact->spacing = 0.0075;
+    options_.contact->spacing = 0.01;
     options_.contact->shell.depth = kDepth;
     options_.contact->shell.region = [](const Vec3& place) {
       return place.x() > 0.085 && place.z() > 0.04;
@@ -148,9 +148,10 @@ TEST_F(ContactSpace, AStartThatTouchesNothingNeedsNoFields) {
   InteractionFactory tools(block_.scene.body, {});
   const SpaceBody body = make_space_body(block_.scene);
   InteractionSolver states(body, solver, tools);
-  const ToolSpaceSetup setup = run(*serial_).space.tool_spaces[0].setup;
   const Vec3 away(0.065, 0.03, 0.05 + 1.5 * kRadius);
   const Vec3 place(0.065, 0.03, 0.05 + 0.8 * kRadius);
+  options_.contact->shell.region = [&](const Vec3& at) { return (at - place).norm() < kRadius; };
+  const ToolSpaceSetup setup = run(*serial_).space.tool_spaces[0].setup;
   const Equilibrium rest = states.begin(setup, away, Tangent::factorised);
   ASSERT_NE(rest.flags & flags::touches_nothing, 0U);
   Equilibrium bare = rest;
@@ -168,10 +169,10 @@ TEST_F(ContactSpace, AStartThatTouchesNothingNeedsNoFields) {
 TEST_F(ContactSpace, GrowsFromWhereItBegins) {
   if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
   options_.contact->shell.region = [](const Vec3& place) {
-    return place.x() > 0.035 && place.z() > 0.04;
+    return place.x() > 0.05 && place.z() > 0.04;
   };
   const PrecomputeResult whole = run(*world_);
-  for (const Vec3& begin : {Vec3(0.045, 0.03, 0.05), Vec3(0.08, 0.04, 0.05)}) {
+  for (const Vec3& begin : {Vec3(0.06, 0.03, 0.05), Vec3(0.08, 0.04, 0.05)}) {
     options_.contact->shell.begin_at = begin;
     progress_ = nullptr;
     const PrecomputeResult ordered = run(*world_);
@@ -267,6 +268,7 @@ TEST_F(ContactSpace, ActiveNodesThatAreToBeGraspedComeBesideIt) {
 }
 
 TEST_F(ContactSpace, IsRefinedToATolerance) {
+  options_.contact->spacing = 0.0075;
   options_.contact->shell.region = [](const Vec3& place) {
     return (place - Vec3(0.065, 0.03, 0.05)).norm() < 0.008;
   };
