@@ -110,13 +110,6 @@ std::optional<Refinement> finer(const TetMesh& mesh, const std::vector<TouchOnMe
   }
 }
 
-/// The error of a force as a share of it; NaN: there is none.
-double share_of_force(const TouchOnMesh& touch, double force) {
-  if (force > 0) return touch.error.norm() / force;
-  if (!touch.is_known) return kNaN;
-  return touch.error.isZero(0) ? 0 : std::numeric_limits<double>::infinity();
-}
-
 /// @param before The touches on the mesh before; empty: there is none.
 AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
                         const std::vector<TouchOnMesh>& before, Index num_cells) {
@@ -127,13 +120,14 @@ AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
     const double force = touch.force.size() > 0 ? touch.force.norm() : 0;
     round.forces.push_back(touch.force);
     round.corrected_forces.push_back(touch.force - touch.error);
-    round.errors.push_back(share_of_force(touch, force));
+    round.errors.push_back(force > 0 ? touch.error.norm() / force : kNaN);
     const bool may_compare = force > 0 && !before.empty() && before[i].is_known && touch.is_known;
     round.changes.push_back(
         may_compare
             ? (round.corrected_forces[i] - (before[i].force - before[i].error)).norm() / force
             : kNaN);
-    round.is_known.push_back(touch.is_known ? 1 : 0);
+    // A tool that feels nothing has found its way between the points of a coarse surface.
+    round.is_known.push_back(touch.is_known && force > 0 ? 1 : 0);
   }
   return round;
 }

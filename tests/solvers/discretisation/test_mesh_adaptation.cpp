@@ -153,6 +153,21 @@ TEST(MeshAdaptation, EndsWhereNothingSaysWhichCellsToDivide) {
   EXPECT_TRUE(adapted.refinements.empty());
 }
 
+TEST(MeshAdaptation, DoesNotKnowTheErrorOfAToolThatFeelsNothing) {
+  AdaptationOptions options;
+  options.tolerance = 0.1;
+  const AdaptedMesh adapted =
+      adapt_mesh(make_pressed_block(), options, [](const Scene& on, const MeshHints& /*hints*/) {
+        TouchOnMesh none = made_up(on, 0);
+        none.force.setZero();
+        return std::vector<TouchOnMesh>{made_up(on, on.body.mesh.num_cells() > 150 ? 0.01 : 0.3),
+                                        none};
+      });
+  EXPECT_EQ(adapted.end, AdaptationEnd::not_known);
+  EXPECT_EQ(adapted.rounds.back().is_known, (std::vector<char>{1, 0}));
+  EXPECT_EQ(adapted.rounds.back().is_given_up, (std::vector<char>{0, 1}));
+}
+
 TEST(MeshAdaptation, EndsWhereTheErrorStaysUnknown) {
   const double nothing = std::numeric_limits<double>::quiet_NaN();
   const AdaptedMesh adapted =

@@ -38,7 +38,7 @@ class RegionBodies : public testing::Test {
     options_.keep = Keep::all;
     options_.estimate_mesh_error = true;
     options_.equilibrium.third_derivatives = true;
-    regions_.tolerance = 0.1;
+    regions_.tolerance = 0.05;
     regions_.size = 0.04;
   }
 
@@ -68,6 +68,7 @@ class RegionBodies : public testing::Test {
 
 TEST_F(RegionBodies, AreFineWhereTheyAreTouched) {
   if (test::is_repetition(*world_)) GTEST_SKIP() << "another test compares numbers of ranks";
+  regions_.tolerance = 0.03;
   const DividedOrgan organ = divide();
   ASSERT_GE(organ.meshes.size(), 2U);
   ASSERT_EQ(organ.bodies.size(), organ.meshes.size() + 1);
@@ -227,7 +228,7 @@ TEST_F(RegionBodies, RefuseAFileOfOtherMeshesOrOfAnotherOrgan) {
   const auto message = [&] { return test::message_of([&] { (void)divide(); }); };
   EXPECT_EQ(message(), "");
   regions_.tolerance *= 0.5;
-  EXPECT_NE(message().find("MeshTolerance of 0.1"), std::string::npos) << message();
+  EXPECT_NE(message().find("MeshTolerance of 0.05"), std::string::npos) << message();
   regions_.tolerance *= 2;
   regions_.size *= 0.8;
   EXPECT_NE(message().find("RegionSize"), std::string::npos) << message();
