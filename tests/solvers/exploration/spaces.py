@@ -30,7 +30,9 @@ def configurations(file):
         for name in glob.glob(file + "*"):
             shutil.copy(name, folder)
         for name in glob.glob(os.path.join(folder, "*")):
-            if name.endswith(("-wal", "-shm", "-journal")) or os.path.getsize(name) == 0:
+            # What was killed while it made a file has left a part of it, which nobody reads.
+            if (name.endswith(("-wal", "-shm", "-journal", ".part"))
+                    or os.path.getsize(name) == 0):
                 continue
             with sqlite3.connect(name) as database:
                 tables = database.execute("SELECT name FROM sqlite_master").fetchall()
