@@ -109,6 +109,7 @@ class Press:
                "unknowns": field(grid, "Unknowns")[0], "mesh (s)": mesh_seconds,
                "solve (s)": seconds, "estimate (s)": max(0, with_estimate - seconds),
                "force": force, "corrected": force - is_reliable * error,
+               "is reliable": is_reliable,
                "force (N)": np.linalg.norm(force), "told (mN)": 1e3 * np.linalg.norm(error)}
         print(f"{self.name}, {row['cells']} cells, divided {divided}: {row['force (N)']:.4g} N, "
               f"{with_estimate:.2g} s", flush=True)
@@ -145,11 +146,12 @@ def measure(press, args):
         for name, of in (("error", "force"), ("left", "corrected")):
             error = np.linalg.norm(row[of] - reference["corrected"])
             row[f"{name} (mN)"], row[f"{name} (%)"] = 1e3 * error, 100 * error / size
+    told = 0.1 * reference["told (mN)"] / size
     return rows, size, (
-        f"{press.name}: the reference has {reference['cells']} cells; its force is {size:.4g} N "
-        f"less an estimated error of {100 * reference['told (mN)'] / (1e3 * size):.2g} %, which "
-        f"is taken off. The ball has {1e3 * press.radius:.3g} mm and presses by "
-        f"{1e3 * press.depth:.3g} mm.")
+        f"{press.name}: the reference has {reference['cells']} cells and a force of {size:.4g} N, "
+        f"with an estimated error of {told:.2g} % "
+        f"{'taken off' if reference['is reliable'] else 'that is not reliable, and not taken off'}"
+        f". The ball has {1e3 * press.radius:.3g} mm and presses by {1e3 * press.depth:.3g} mm.")
 
 
 def of_curve(rows, divided, name):
