@@ -368,10 +368,9 @@ void vtkPalpateRefineMesh::WarnOf(const palpate::AdaptedMesh& adapted)
       "The error of the force because of the mesh is " + text.str() +
         ". Where it is not known, the tool found no equilibrium on the last meshes, or turned "
         "cells inside out, or felt nothing, or its error is half of the force or more. Solve "
-        "Equilibrium shows "
-        "which it is. A smaller Depth helps; a bonded tip has infinite strains at its rim, so that "
-        "small cells "
-        "there are turned inside out where a rigid Tool would press.");
+        "Equilibrium shows which it is. A smaller Depth helps; a bonded tip has infinite strains "
+        "at its rim, so that small cells there are turned inside out where a rigid Tool would "
+        "press.");
   }
 }
 

@@ -4,7 +4,8 @@
 // The superconvergent patch recovery and a posteriori error estimates, Int. J. Numer. Methods Eng.
 // 33, 1992).
 //
-// A patch is a corner of the mesh with the cells of one tissue around it. A polynomial of the
+// A patch is a corner of the mesh with the cells of one tissue around it, and those around these
+// where they are too few or do not determine the fit. A polynomial of the
 // degree of the shape functions is fitted to the gradients at the quadrature points of the patch by
 // least squares. At a node, the recovered gradient is the mean of the polynomials of the corners
 // that it belongs to; between nodes it is interpolated by the shape functions. Across the border of

@@ -153,11 +153,13 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
                       estimate.force.allFinite() &&
                       estimate.force.norm() <= kMostReliable * largest;
   estimate.is_bonded = !tool.prescribed_points().empty();
-  const double at_recovered =
-      integral({here.h + here.d, here.d, here.pressure, here.pressure_error});
+  const auto hardly_changes = [&] {
+    const double at_recovered =
+        integral({here.h + here.d, here.d, here.pressure, here.pressure_error});
+    return std::abs(at_recovered - squared) <= kMostChange * squared;
+  };
   estimate.is_reliable = estimate.is_small && !estimate.is_bonded &&
-                         order_ == ElementOrder::quadratic &&
-                         std::abs(at_recovered - squared) <= kMostChange * squared;
+                         order_ == ElementOrder::quadratic && hardly_changes();
   return estimate;
 }
 

@@ -28,7 +28,8 @@ def add_arguments(parser):
 def scene_of(arguments):
     """The body with its own materials, or, where it has none, with the one of the arguments."""
     reader = XMLUnstructuredGridReader(FileName=[arguments.body])
-    if fetch(reader).GetCellData().HasArray("Law"):
+    # The header, which every rank has, and not the body, which the first one has alone.
+    if "Law" in reader.CellArrayStatus.Available:
         return reader
     return AssignMaterial(Input=reader, Law="Neo-Hookean", YoungsModulus=arguments.youngs_modulus,
                           PoissonsRatio=arguments.poissons_ratio)
