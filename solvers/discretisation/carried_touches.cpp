@@ -1,11 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "discretisation/carried_touches.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "mesh/refinement.h"
 
 namespace palpate {
+namespace {
+
+/// The longest edge that a cell under the tool keeps, in radii of the contact. With edges half as
+/// long, the force of a liver is hardly another one where its estimate is taken off.
+constexpr double kEdgeOfContact = 2;
+
+/// The cells with a face that the tool presses and that is too large.
+std::vector<Index> coarse_cells(const PressedSurface& pressed, const TetMesh& mesh) {
+  std::vector<std::array<Index, 3>> faces;
+  for (const PressedSurface::Face& face : pressed.faces) {
+    if (face.longest_edge > kEdgeOfContact * pressed.radius()) faces.push_back(face.corners);
+  }
+  std::vector<Index> cells;
+  for (Index c = 0; c < mesh.num_cells() && !faces.empty(); ++c) {
+    const Index* corners = mesh.cell(c);
+    const auto has = [&](Index point) {
+      return std::find(corners, corners + 4, point) != corners + 4;
+    };
+    const bool is_coarse = std::any_of(faces.begin(), faces.end(), [&](const auto& face) {
+      return std::all_of(face.begin(), face.end(), has);
+    });
+    if (is_coarse) cells.push_back(c);
+  }
+  return cells;
+}
+
+}  // namespace
 
 std::optional<Equilibrium> CarriedTouches::settle(std::size_t touch, const Eigen::VectorXd& t,
                                                   const MeshHints& hints,
@@ -32,6 +61,8 @@ TouchOnMesh CarriedTouches::tell(std::size_t touch, const Equilibrium* state,
   told.error = estimate.force;
   told.is_known = state->outcome == Outcome::converged && estimate.is_small;
   told.energy_of_cells = std::move(estimate.energy_of_cells);
+  if (told.is_known)
+    told.coarse_cells = coarse_cells(tool.pressed_surface(state->t, state->u), mesh);
   if (told.is_known) found_[touch] = state->u;
   return told;
 }

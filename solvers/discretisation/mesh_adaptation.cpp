@@ -52,25 +52,33 @@ double factor(const AdaptationOptions& options) {
   return options.is_corrected ? kMostOfCorrected : kMostOfEstimate;
 }
 
-/// Whether the mesh is not refined for a touch any further.
-bool is_done(const AdaptationRound& round, std::size_t touch, const AdaptationOptions& options) {
-  if (round.is_given_up[touch] != 0) return true;
+/// Whether the error of a touch is within the tolerance.
+bool is_exact(const AdaptationRound& round, std::size_t touch, const AdaptationOptions& options) {
   // The first mesh has none before it.
   const bool has_changed = round.changes[touch] > options.tolerance;
   return round.is_known[touch] != 0 && !has_changed &&
          factor(options) * round.errors[touch] <= options.tolerance;
 }
+/// Whether the mesh is not refined for a touch any further.
+bool is_done(const AdaptationRound& round, std::size_t touch, const AdaptationOptions& options) {
+  if (round.is_given_up[touch] != 0) return true;
+  return round.is_coarse[touch] == 0 && is_exact(round, touch, options);
+}
 
-/// Marks those cells that have most of the error of the touches beyond the tolerance.
+/// Marks the cells that are divided in any case, and those that have most of the error of the
+/// touches beyond the tolerance.
 /// @param part Of the cells that would be divided if there were no largest number of cells.
 std::vector<char> choose_cells(const std::vector<TouchOnMesh>& touches,
                                const AdaptationRound& round, const AdaptationOptions& options,
                                double part) {
   // The share that a cell has of the error of some touch.
   std::vector<double> shares(static_cast<std::size_t>(round.num_cells), 0);
+  std::vector<char> is_coarse(shares.size(), 0);
   double wanted = kLeastShare;
   for (std::size_t i = 0; i < touches.size(); ++i) {
     if (is_done(round, i, options)) continue;
+    for (const Index c : touches[i].coarse_cells) is_coarse[static_cast<std::size_t>(c)] = 1;
+    if (is_exact(round, i, options)) continue;
     double sum = 0;
     for (std::size_t c = 0; c < shares.size(); ++c) sum += of_cell(touches[i], c);
     for (std::size_t c = 0; c < shares.size() && sum > 0; ++c) {
@@ -85,12 +93,18 @@ std::vector<char> choose_cells(const std::vector<TouchOnMesh>& touches,
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return shares[a] > shares[b]; });
   const double all = std::accumulate(shares.begin(), shares.end(), 0.0);
+  const auto num_coarse =
+      static_cast<double>(std::count(is_coarse.begin(), is_coarse.end(), char{1}));
   std::vector<char> chosen(shares.size(), 0);
   double sum = 0;
+  double coarse = 0;
   for (const std::size_t c : order) {
-    if (sum >= part * wanted * all) break;
+    const bool has_error = sum < part * wanted * all;
+    const bool is_too_large = is_coarse[c] != 0 && coarse < part * num_coarse;
+    if (!has_error && !is_too_large) continue;
     chosen[c] = 1;
     sum += shares[c];
+    coarse += is_coarse[c];
   }
   return chosen;
 }
@@ -128,6 +142,7 @@ AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
             : kNaN);
     // A tool that feels nothing has found its way between the points of a coarse surface.
     round.is_known.push_back(touch.is_known && force > 0 ? 1 : 0);
+    round.is_coarse.push_back(touch.coarse_cells.empty() ? 0 : 1);
   }
   return round;
 }
@@ -139,6 +154,7 @@ void keep(const AdaptationRound& before, std::size_t touch, AdaptationRound& now
   now.errors[touch] = before.errors[touch];
   now.changes[touch] = before.changes[touch];
   now.is_known[touch] = before.is_known[touch];
+  now.is_coarse[touch] = before.is_coarse[touch];
 }
 
 /// Whether no touch that needs a finer mesh says which cells have an error.
@@ -146,6 +162,7 @@ bool says_nothing(const std::vector<TouchOnMesh>& touches, const AdaptationRound
                   const AdaptationOptions& options) {
   for (std::size_t i = 0; i < touches.size(); ++i) {
     if (is_done(round, i, options)) continue;
+    if (!touches[i].coarse_cells.empty()) return false;
     for (std::size_t c = 0; c < touches[i].energy_of_cells.size(); ++c) {
       if (of_cell(touches[i], c) > 0) return false;
     }

@@ -25,6 +25,9 @@ struct TouchOnMesh {
   bool is_known = true;
   /// See MeshErrorEstimate [num_cells], J. Values that are not finite or not positive are not read.
   std::vector<double> energy_of_cells;
+  /// The cells under the tool that are so large that energy_of_cells does not see all of their
+  /// error: they are divided in any case.
+  std::vector<Index> coarse_cells;
 };
 
 struct AdaptationOptions {
@@ -53,6 +56,8 @@ struct AdaptationRound {
   std::vector<double> changes;
   /// TouchOnMesh::is_known of each touch.
   std::vector<char> is_known;
+  /// Whether a touch has cells that are divided in any case.
+  std::vector<char> is_coarse;
   /// Whether a touch is given up, since its error was not known on several meshes, one after the
   /// other.
   std::vector<char> is_given_up;
@@ -96,8 +101,9 @@ struct MeshHints {
 using TouchMesh = std::function<std::vector<TouchOnMesh>(const Scene&, const MeshHints&)>;
 
 /// Refines until the largest error that an estimate allows (kMostOfEstimate, kMostOfCorrected) is
-/// within the tolerance. The change from the mesh before must be, too: it shows what the estimate
-/// does not see, such as the outline of a bonded patch.
+/// within the tolerance, and no cell under the tool is too large for the estimate. The change from
+/// the mesh before must be, too: it shows what the estimate does not see, such as the outline of a
+/// bonded patch.
 /// @param scene A scene that was checked.
 /// @throws InputError an option is not valid.
 [[nodiscard]] AdaptedMesh adapt_mesh(Scene scene, const AdaptationOptions& options,

@@ -13,6 +13,8 @@
 // where ∂/∂q includes ∂/∂u at the points that the tool prescribes.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
@@ -54,6 +56,23 @@ struct PotentialHessian {
   Eigen::MatrixXd of_coordinates;
 };
 
+/// The part of the body's surface that a tool presses.
+struct PressedSurface {
+  struct Face {
+    /// The corners, points of the mesh.
+    std::array<Index, 3> corners{};
+    /// The longest edge between them, m.
+    double longest_edge = 0;
+  };
+  /// The faces on which there is pressure.
+  std::vector<Face> faces;
+  /// The area at rest on which there is pressure, m².
+  double area = 0;
+
+  /// The radius of a circle of that area, m.
+  [[nodiscard]] double radius() const { return std::sqrt(area / M_PI); }
+};
+
 class Interaction {
  public:
   virtual ~Interaction() = default;
@@ -76,6 +95,12 @@ class Interaction {
   /// Places in the tool, m, that the body's surface cannot reach while the tool's surface presses
   /// it. If the body is at one of them, the tool has gone through its surface.
   [[nodiscard]] virtual std::vector<Vec3> inner_places(const Eigen::VectorXd& /*q*/) const {
+    return {};
+  }
+
+  /// What the tool presses; nothing where it has no pressure, as one that is bonded.
+  [[nodiscard]] virtual PressedSurface pressed_surface(const Eigen::VectorXd& /*q*/,
+                                                       const NodalVector& /*state*/) const {
     return {};
   }
 

@@ -240,6 +240,21 @@ void RigidContact::add_hessian(const Eigen::VectorXd& q, const NodalVector& stat
       });
 }
 
+PressedSurface RigidContact::pressed_surface(const Eigen::VectorXd& q,
+                                             const NodalVector& state) const {
+  PressedSurface result;
+  const Index* last = nullptr;
+  for_each_touched_point(
+      pose_->evaluate(q, 0), state, false,
+      [&](const ContactSurface::Face& face, Eigen::Index i, const Vec3&, const Point&) {
+        result.area += face.weights[i];
+        // The points of a face come one after the other.
+        if (std::exchange(last, face.nodes) == face.nodes) return;
+        result.faces.push_back({{face.nodes[0], face.nodes[1], face.nodes[2]}, face.longest_edge});
+      });
+  return result;
+}
+
 RigidContact::Patch RigidContact::patch(const Eigen::VectorXd& q, const NodalVector& state) const {
   Patch result;
   const std::size_t num_points = surface_->points().size();

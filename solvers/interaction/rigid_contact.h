@@ -56,6 +56,8 @@ class RigidContact final : public Interaction {
                                  NodalVector& force, Eigen::VectorXd& of_q) const override;
   void add_hessian(const Eigen::VectorXd& q, const NodalVector& state,
                    PotentialHessian& hessian) const override;
+  [[nodiscard]] PressedSurface pressed_surface(const Eigen::VectorXd& q,
+                                               const NodalVector& state) const override;
 
   /// The part of the body that a tool at q touches.
   struct Patch {

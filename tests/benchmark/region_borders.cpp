@@ -6,7 +6,7 @@
 //   palpate_benchmark_region_borders space.palpate <depth, m>
 //
 // All pairs of check-points of neighbouring regions that are near each other are joined by straight
-// slides, and all triples of them by closed ones.
+// slides, and all triples of them by closed ones. Check-points beyond the force limit are left out.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,7 +27,7 @@
 namespace palpate {
 namespace {
 
-/// The farthest that the ends of a slide are apart, in spacings of the check-points.
+/// The farthest that the ends of a slide are apart, in sides of the coarsest cells.
 constexpr double kReach = 1.5;
 /// A step of the tool in which the force of a body hardly changes, m, and one of a hand of 100 mm/s
 /// in a tick.
@@ -60,12 +60,13 @@ class Slides {
     for (const TouchToolSpace* part : parts_) {
       for (const ConfigurationSummary& c : part->configurations) {
         const Vec3 at = c.t;
-        if (!c.usable() || c.force.isZero(0) || part->clearance(at) < -depth) continue;
+        if (!c.leads_on() || c.force.isZero(0) || part->clearance(at) < -depth) continue;
         const int region = weights->nearest(at);
         if (parts_[static_cast<std::size_t>(region)] == part) places_.push_back({at, region});
       }
     }
-    reach_ = kReach * force_.spacing();
+    const Grid& grid = parts_.front()->setup.grid;
+    reach_ = kReach * grid.coarsest * grid.spacing();
   }
 
   void print_borders() const {
