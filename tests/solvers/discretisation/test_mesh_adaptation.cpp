@@ -48,9 +48,11 @@ std::vector<TouchOnMesh> press(const Scene& scene, const std::vector<Vec3>& plac
     const Equilibrium state = solver.solve(above - depth * Vec3::UnitZ(),
                                            solver.rest(above + 0.3 * kRadius * Vec3::UnitZ()));
     const MeshErrorEstimate estimate = estimator.estimate(state, contact);
-    touches.push_back({state.reaction, estimate.force,
+    touches.push_back({state.reaction,
+                       estimate.force,
                        state.outcome == Outcome::converged && estimate.is_small,
-                       estimate.energy_of_cells});
+                       estimate.energy_of_cells,
+                       {}});
   }
   return touches;
 }
@@ -139,6 +141,28 @@ TEST(MeshAdaptation, EndsBeforeThereAreTooManyCells) {
   EXPECT_GE(adapted.refinements.size(), 1U);
   // Most of what is allowed is used.
   EXPECT_GT(adapted.scene.body.mesh.num_cells(), options.max_cells - 100);
+}
+
+TEST(MeshAdaptation, DividesCellsThatAreTooLargeForTheEstimateInAnyCase) {
+  const Scene scene = make_pressed_block();
+  const auto touch = [&](const Scene& on, const MeshHints& /*hints*/) {
+    TouchOnMesh touch = made_up(on, 0.001);
+    // On the first mesh.
+    if (on.body.mesh.num_cells() == scene.body.mesh.num_cells()) touch.coarse_cells = {3, 7};
+    return std::vector<TouchOnMesh>{touch};
+  };
+  AdaptationOptions options;
+  const AdaptedMesh adapted = adapt_mesh(scene, options, touch);
+  EXPECT_EQ(adapted.end, AdaptationEnd::reached);
+  ASSERT_EQ(adapted.chosen.size(), 1U);
+  for (std::size_t c = 0; c < adapted.chosen[0].size(); ++c) {
+    EXPECT_EQ(adapted.chosen[0][c] != 0, c == 3 || c == 7);
+  }
+  EXPECT_EQ(adapted.rounds[0].is_coarse, std::vector<char>{1});
+  EXPECT_EQ(adapted.rounds[1].is_coarse, std::vector<char>{0});
+  // Also where their number is limited.
+  options.max_cells = scene.body.mesh.num_cells() + 1;
+  EXPECT_EQ(adapt_mesh(scene, options, touch).end, AdaptationEnd::too_many_cells);
 }
 
 TEST(MeshAdaptation, EndsWhereNothingSaysWhichCellsToDivide) {
