@@ -32,11 +32,14 @@
 
 namespace palpate {
 
-/// The longest edge of a face that is pressed, in radii of the contact, at which an estimate may be
-/// trusted. At four places of a liver, halving the cells under the tool alone changed the force by
-/// 4 to 11 % and its estimate by 0.3 to 0.8 of that from edges of 4 to 7 radii on, and by 0.6
-/// to 1.5 of it from 3 radii on.
+/// A face that is pressed is too large for an estimate of the error if its longest edge is above
+/// three radii of the contact, so that the pressure is within a face or two, and above the width of
+/// the tool. (Where a tool begins to touch, the radius is small, and so is the error.) At four
+/// places of a liver, halving the cells under the tool alone changed the force by 4 to 11 %, and
+/// its estimate by 0.3 to 0.8 of that from edges of 4 to 7 radii on, by 0.6 to 1.5 of it from 3
+/// radii on.
 inline constexpr double kMostEdgeOfContact = 3;
+inline constexpr double kMostEdgeOfTool = 2;
 
 struct MeshErrorEstimate {
   /// ΔΠ, J; not positive, except where the body has lost its stability.
@@ -50,8 +53,8 @@ struct MeshErrorEstimate {
   bool is_small = true;
   /// Whether a tool is bonded to points of the body.
   bool is_bonded = false;
-  /// The longest edge of a face that the tool presses, in radii of the contact; 0: it presses none.
-  double edge_of_contact = 0;
+  /// Whether no face that the tool presses is too large.
+  bool is_resolved = true;
   /// Whether the estimate may be trusted: where it is small, but not
   /// - for bodies of linear cells, for which c was not fitted;
   /// - where a tool is bonded to the body. The stress is singular at the rim of a bonded tip, so
@@ -61,8 +64,8 @@ struct MeshErrorEstimate {
   /// - where the tangent at H and that at H* give different norms: the recovered gradient is too
   /// far
   ///   away for a law that stiffens so steeply;
-  /// - where edge_of_contact is above kMostEdgeOfContact: the pressure is within a face or two, and
-  ///   of what cells under the tool would still release, the estimate sees a third.
+  /// - where a face that the tool presses is too large: of what cells under the tool would still
+  ///   release, the estimate sees a third.
   bool is_reliable = true;
 };
 

@@ -172,7 +172,7 @@ TEST_P(EachTouch, TheErrorOfTheForceIsTheDerivativeOfThatOfTheEnergy) {
   ASSERT_EQ(at.outcome, Outcome::converged);
   const MeshErrorEstimate estimate = estimator.estimate(at, *touched.tool);
   EXPECT_EQ(estimate.is_bonded, !GetParam().presses);
-  EXPECT_EQ(estimate.edge_of_contact > 0, GetParam().presses);
+  EXPECT_EQ(estimate.is_reliable, GetParam().presses);
   EXPECT_LT(estimate.energy, 0);
   constexpr double step = 1e-5;
   for (int c = 0; c < 3; ++c) {
@@ -195,8 +195,6 @@ TEST_P(EachTouch, IsNearTheErrorAgainstAFinerMesh) {
   const Touched coarse = is_mixed ? make({4, 3, 2}) : make({6, 4, 3});
   const Equilibrium at = coarse.touch();
   const MeshErrorEstimate estimate = coarse.estimator().estimate(at, *coarse.tool);
-  EXPECT_EQ(estimate.is_reliable,
-            GetParam().presses && estimate.edge_of_contact <= kMostEdgeOfContact);
   const Eigen::VectorXd fine = (is_mixed ? make({8, 6, 4}) : make({12, 8, 6})).touch().reaction;
   const Eigen::VectorXd direction = fine.normalized();
   // The finer mesh has an error too, of a quarter to a half of this one's.
@@ -222,30 +220,38 @@ TEST(MeshError, IsNotTrustedWhereItWasNotFitted) {
 }
 
 TEST(MeshError, IsNotTrustedWhereThePressureIsWithinAFace) {
-  const auto estimate = [](std::array<int, 3> cells) {
+  const auto estimate = [](std::array<int, 3> cells, double& edge, double& radius) {
     const Touched touched(make_isotropic(Law::neo_hookean, 3000, 0.4), cells, true);
     const Equilibrium at = touched.touch();
     EXPECT_EQ(at.outcome, Outcome::converged);
     const PressedSurface pressed = touched.tool->pressed_surface(at.t, at.u);
-    const double radius = std::sqrt(pressed.area / M_PI);
-    double longest = 0;
+    EXPECT_EQ(pressed.tool_half_width, 0.02);
+    radius = std::sqrt(pressed.area / M_PI);
+    edge = 0;
     for (const PressedSurface::Face& face : pressed.faces) {
+      double longest = 0;
       for (int a = 0; a < 3; ++a) {
         const auto& points = touched.scene.body.mesh.points;
         const Vec3& next = points[face.corners[(a + 1) % 3]];
         longest = std::max(longest, (points[face.corners[a]] - next).norm());
       }
+      EXPECT_NEAR(face.longest_edge, longest, 1e-12);
+      edge = std::max(edge, longest);
     }
-    const MeshErrorEstimate told = touched.estimator().estimate(at, *touched.tool);
-    EXPECT_NEAR(told.edge_of_contact, longest / radius, 1e-12);
-    return told;
+    return touched.estimator().estimate(at, *touched.tool);
   };
-  const MeshErrorEstimate coarse = estimate({4, 3, 2});
-  EXPECT_GT(coarse.edge_of_contact, kMostEdgeOfContact);
+  double edge = 0;
+  double radius = 0;
+  const MeshErrorEstimate coarse = estimate({2, 1, 2}, edge, radius);
+  EXPECT_GT(edge, std::max(3 * radius, 0.04));
   EXPECT_TRUE(coarse.is_small);
+  EXPECT_FALSE(coarse.is_resolved);
   EXPECT_FALSE(coarse.is_reliable);
-  const MeshErrorEstimate fine = estimate({7, 5, 3});
-  EXPECT_LT(fine.edge_of_contact, kMostEdgeOfContact);
+  // Longer than three radii, but not than the tool is wide.
+  const MeshErrorEstimate fine = estimate({4, 3, 2}, edge, radius);
+  EXPECT_GT(edge, 3 * radius);
+  EXPECT_LT(edge, 0.04);
+  EXPECT_TRUE(fine.is_resolved);
   EXPECT_TRUE(fine.is_reliable);
 }
 
@@ -258,7 +264,7 @@ TEST(MeshError, IsNotTrustedWhereTheTangentChangesWithinTheError) {
   ASSERT_EQ(at.outcome, Outcome::converged);
   const MeshErrorEstimate estimate = touched.estimator().estimate(at, *touched.tool);
   EXPECT_TRUE(estimate.is_small);
-  EXPECT_LT(estimate.edge_of_contact, kMostEdgeOfContact);
+  EXPECT_TRUE(estimate.is_resolved);
   EXPECT_FALSE(estimate.is_reliable);
 }
 
