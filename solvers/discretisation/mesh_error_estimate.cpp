@@ -153,22 +153,13 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
                       estimate.force.allFinite() &&
                       estimate.force.norm() <= kMostReliable * largest;
   estimate.is_bonded = !tool.prescribed_points().empty();
-  // The body at rest under its loads has no place of a tool.
-  const PressedSurface pressed =
-      at.t.size() > 0 ? tool.pressed_surface(at.t, at.u) : PressedSurface();
-  const double most =
-      std::max(kMostEdgeOfContact * pressed.radius(), kMostEdgeOfTool * pressed.tool_half_width);
-  estimate.is_resolved =
-      std::all_of(pressed.faces.begin(), pressed.faces.end(),
-                  [most](const auto& face) { return face.longest_edge <= most; });
   const auto hardly_changes = [&] {
     const double at_recovered =
         integral({here.h + here.d, here.d, here.pressure, here.pressure_error});
     return std::abs(at_recovered - squared) <= kMostChange * squared;
   };
   estimate.is_reliable = estimate.is_small && !estimate.is_bonded &&
-                         order_ == ElementOrder::quadratic && estimate.is_resolved &&
-                         hardly_changes();
+                         order_ == ElementOrder::quadratic && hardly_changes();
   return estimate;
 }
 

@@ -32,15 +32,6 @@
 
 namespace palpate {
 
-/// A face that is pressed is too large for an estimate of the error if its longest edge is above
-/// three radii of the contact, so that the pressure is within a face or two, and above the width of
-/// the tool. (Where a tool begins to touch, the radius is small, and so is the error.) At four
-/// places of a liver, halving the cells under the tool alone changed the force by 4 to 11 %, and
-/// its estimate by 0.3 to 0.8 of that from edges of 4 to 7 radii on, by 0.6 to 1.5 of it from 3
-/// radii on.
-inline constexpr double kMostEdgeOfContact = 3;
-inline constexpr double kMostEdgeOfTool = 2;
-
 struct MeshErrorEstimate {
   /// ΔΠ, J; not positive, except where the body has lost its stability.
   double energy = 0;
@@ -53,8 +44,6 @@ struct MeshErrorEstimate {
   bool is_small = true;
   /// Whether a tool is bonded to points of the body.
   bool is_bonded = false;
-  /// Whether no face that the tool presses is too large.
-  bool is_resolved = true;
   /// Whether the estimate may be trusted: where it is small, but not
   /// - for bodies of linear cells, for which c was not fitted;
   /// - where a tool is bonded to the body. The stress is singular at the rim of a bonded tip, so
@@ -63,9 +52,7 @@ struct MeshErrorEstimate {
   ///   is an error as a whole;
   /// - where the tangent at H and that at H* give different norms: the recovered gradient is too
   /// far
-  ///   away for a law that stiffens so steeply;
-  /// - where a face that the tool presses is too large: of what cells under the tool would still
-  ///   release, the estimate sees a third.
+  ///   away for a law that stiffens so steeply.
   bool is_reliable = true;
 };
 

@@ -68,8 +68,6 @@ struct PressedSurface {
   std::vector<Face> faces;
   /// The area at rest on which there is pressure, m².
   double area = 0;
-  /// Half of the tool's least width, m.
-  double tool_half_width = 0;
 
   /// The radius of a circle of that area, m.
   [[nodiscard]] double radius() const { return std::sqrt(area / M_PI); }

@@ -101,8 +101,7 @@ RigidContact::RigidContact(std::shared_ptr<const ContactSurface> surface, RigidS
                            ContactLaw law, PoseMapPtr pose)
     : surface_(std::move(surface)), shape_(std::move(shape)), law_(law), pose_(std::move(pose)) {
   validate(law);
-  half_width_ = 0.5 * shape_->bounds().sizes().minCoeff();
-  longest_step_ = kLongestStep * half_width_;
+  longest_step_ = kLongestStep * 0.5 * shape_->bounds().sizes().minCoeff();
 }
 
 std::unique_ptr<Interaction> RigidContact::clone() const {
@@ -244,7 +243,6 @@ void RigidContact::add_hessian(const Eigen::VectorXd& q, const NodalVector& stat
 PressedSurface RigidContact::pressed_surface(const Eigen::VectorXd& q,
                                              const NodalVector& state) const {
   PressedSurface result;
-  result.tool_half_width = half_width_;
   const Index* last = nullptr;
   for_each_touched_point(
       pose_->evaluate(q, 0), state, false,

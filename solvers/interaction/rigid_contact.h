@@ -94,8 +94,6 @@ class RigidContact final : public Interaction {
   RigidShapePtr shape_;
   ContactLaw law_;
   PoseMapPtr pose_;
-  /// Half of the tool's least width, m.
-  double half_width_;
   double longest_step_;
 };
 

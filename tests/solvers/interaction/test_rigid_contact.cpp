@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numeric>
 #include <random>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -58,6 +61,33 @@ Vec3 above(double height) { return Vec3(0.06, 0.03, 0.05 + kRadius + height); }
 class AnyShape : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Each, AnyShape, testing::Values("Sphere", "Capsule", "Surface"),
                          [](const auto& each) { return each.param; });
+
+TEST_P(AnyShape, TellsWhichFacesItPresses) {
+  const Block block = make_block(Law::neo_hookean);
+  const RigidContact contact = contact_with(block.scene, shape_of(GetParam()));
+  const auto& points = block.scene.body.mesh.points;
+  const NodalVector rest = NodalVector::Zero(3 * static_cast<Eigen::Index>(points.size()));
+  EXPECT_TRUE(contact.pressed_surface(above(2 * kThickness), rest).faces.empty());
+  const PressedSurface pressed = contact.pressed_surface(above(-0.002), rest);
+  const RigidContact::Patch patch = contact.patch(above(-0.002), rest);
+  ASSERT_FALSE(pressed.faces.empty());
+  EXPECT_NEAR(pressed.area, patch.area, 1e-12 * patch.area);
+  EXPECT_NEAR(M_PI * pressed.radius() * pressed.radius(), patch.area, 1e-12 * patch.area);
+  double longest_of_all = 0;
+  std::set<std::array<Index, 3>> faces;
+  for (const PressedSurface::Face& face : pressed.faces) {
+    EXPECT_TRUE(faces.insert(face.corners).second);
+    double longest = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const Vec3& next = points[static_cast<std::size_t>(face.corners[(a + 1) % 3])];
+      longest =
+          std::max(longest, (points[static_cast<std::size_t>(face.corners[a])] - next).norm());
+    }
+    EXPECT_NEAR(face.longest_edge, longest, 1e-12);
+    longest_of_all = std::max(longest_of_all, longest);
+  }
+  EXPECT_NEAR(longest_of_all, patch.longest_edge, 1e-12);
+}
 
 /// At states of the body at random, so that faces look every way.
 void expect_derivatives(const RigidContact& contact, const Eigen::VectorXd& q,
