@@ -10,11 +10,11 @@
 namespace palpate {
 namespace {
 
-/// The longest edge that a cell under the tool keeps, in radii of the contact. Longer ones have most
-/// of the pressure within a face or two. At four places of a liver with meshes that were refined
-/// where the estimate says, halving the cells under the tool alone changed the force by 4 to 11 %,
-/// and its estimate by 0.3 to 0.8 of that from edges of 4 to 7 radii on, by 0.6 to 1.5 of it from 3
-/// radii on.
+/// The longest edge that a cell under the tool keeps, in radii of the contact. Longer ones have
+/// most of the pressure within a face or two. At four places of a liver with meshes that were
+/// refined where the estimate says, halving the cells under the tool alone changed the force by 4
+/// to 11 %, and its estimate by 0.3 to 0.8 of that from edges of 4 to 7 radii on, by 0.6 to 1.5 of
+/// it from 3 radii on.
 constexpr double kEdgeOfContact = 2;
 
 /// The cells with a face that the tool presses and that is too large.
