@@ -9,17 +9,13 @@
 #include "exploration/transfer.h"
 
 namespace palpate {
-namespace {
-
-/// Halving a cell has helped if the error of the half is below this share of the cell's. Where the
-/// force is smooth, or contact begins, it falls to an eighth or less.
-constexpr double kHalvingShrinks = 1.0 / 3;
-
-}  // namespace
 
 ShellRounds::ShellRounds(PlannedSpace& space, std::shared_ptr<const ToolClearance> clearance,
                          const ShellOptions& options)
-    : space_(space), clearance_(std::move(clearance)), options_(options) {
+    : space_(space),
+      clearance_(std::move(clearance)),
+      options_(options),
+      halvings_(space.setup.grid.reach()) {
   take(static_cast<const StartGraph&>(*space.plan));
 }
 
@@ -39,10 +35,10 @@ bool ShellRounds::plan(Engine& engine, Communicator& communicator, PrecomputeRep
     const double tolerance = force_tolerance(setup.policy, found);
     if (!(tolerance > 0)) return;
     const Clearance clearance = [&](const Vec3& q) { return clearance_->clearance(q); };
-    const CellRefinement refinement =
-        plan_refinement(setup.grid, found, tolerance, 1, clearance,
-                        [&](const CellEstimate& estimate) { return is_in_vain(estimate); });
-    for (const CellEstimate& e : refinement.estimates) errors_[e.cell] = e.error;
+    const CellRefinement refinement = plan_refinement(
+        setup.grid, found, tolerance, 1, clearance,
+        [&](const CellEstimate& estimate) { return halvings_.is_in_vain(estimate); });
+    halvings_.take(refinement.estimates);
     auto graph = std::make_shared<const StartGraph>(
         setup.key(),
         refined_targets(*clearance_, setup.grid, refinement.to_split, known, options_));
@@ -54,11 +50,6 @@ bool ShellRounds::plan(Engine& engine, Communicator& communicator, PrecomputeRep
     goes_on = true;
   });
   return goes_on;
-}
-
-bool ShellRounds::is_in_vain(const CellEstimate& estimate) const {
-  const auto before = errors_.find(parent_of(estimate.cell, space_.setup.grid.reach()));
-  return before != errors_.end() && !(estimate.error < kHalvingShrinks * before->second);
 }
 
 void ShellRounds::take(const StartGraph& graph) {

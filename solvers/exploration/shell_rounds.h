@@ -9,6 +9,7 @@
 
 #include "exploration/contact_shell.h"
 #include "exploration/engine.h"
+#include "exploration/halving_history.h"
 #include "exploration/start_graph.h"
 #include "interaction/tool_clearance.h"
 #include "interpolation/error_estimate.h"
@@ -28,8 +29,6 @@ class ShellRounds {
   bool plan(Engine& engine, Communicator& communicator, PrecomputeReport& report);
 
  private:
-  /// Whether halving has not helped, as between the branches at a ridge.
-  [[nodiscard]] bool is_in_vain(const CellEstimate& estimate) const;
   void take(const StartGraph& graph);
   /// @note Collective
   void gather_known(const Engine& engine, Communicator& communicator);
@@ -40,8 +39,7 @@ class ShellRounds {
   /// The check-points that the rounds so far have asked for.
   std::set<CheckPoint> asked_;
   std::map<CheckPoint, ConfigurationSummary> known_;
-  /// The error estimates of all cells so far, also of cells that were split since.
-  std::map<Cell, double> errors_;
+  HalvingHistory halvings_;
   std::size_t num_told_ = 0;
   int num_rounds_ = 0;
 };

@@ -65,7 +65,7 @@ class Unit(NamedTuple):
 SOLVER_PARTS = ["base", "threads", "mesh", "materials", "reduced", "elements", "assembly",
                 "interaction", "linear", "iterative", "equilibrium", "discretisation",
                 "dynamics", "state_space", "fields", "interpolation", "storage", "schedule",
-                "exploration", "reduction", "accuracy"]
+                "exploration", "following", "reduction", "accuracy"]
 
 
 def solver_units():

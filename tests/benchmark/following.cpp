@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How fast a hand can be followed: the strategy that explores where the hand is going
+// (following/follow_tool.h) by a virtual clock, with the configurations of a complete space of a
+// rigid tool and the time that each took in place of the mechanics. The hand palpates at random: it
+// glides over the surface, its velocity is forgotten within 0.35 s, and it presses 1 to 7 mm deep.
+// Prints Markdown tables: the share of the ticks in computed cells, the first second left out, and
+// the longest time in cells that were not computed, by the speed of the hand and the number of
+// cores.
+//
+//   palpate_benchmark_following space.palpate [--extent 80] [--seconds 20] [--seed 1]
+//
+// The extent of the palpation is in mm around the middle of the pressed places.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "benchmark/arguments.h"
+#include "following/follow_tool.h"
+#include "interaction/interaction_spec.h"
+#include "solvers/following/simulated_following.h"
+#include "storage/state_space_file.h"
+
+namespace palpate {
+namespace {
+
+const std::map<std::string, double> kDefaults{{"extent", 80}, {"seconds", 20}, {"seed", 1}};
+
+constexpr double kSpeeds[] = {0.01, 0.03, 0.1, 0.2, 0.4};
+constexpr int kCores[] = {1, 2, 4, 8, 32, 128, 1024};
+constexpr double kKeepsVelocity = 0.35;
+constexpr double kTick = 1e-3;
+/// The mean depth, and how far it goes to both sides, m.
+constexpr double kDepth = 4e-3;
+constexpr double kDepthChange = 3e-3;
+
+/// A hand that palpates at random, tick by tick.
+class PalpatingHand {
+ public:
+  PalpatingHand(const ToolClearance& clearance, const Vec3& middle, double extent, double speed,
+                unsigned seed)
+      : clearance_(clearance), middle_(middle), extent_(extent), speed_(speed), random_(seed) {
+    place_ = at_depth(middle, kDepth);
+  }
+
+  [[nodiscard]] HandMotion next() {
+    std::normal_distribution<double> normal;
+    const double forgets = std::exp(-kTick / kKeepsVelocity);
+    const double stirs = std::sqrt(1 - forgets * forgets);
+    for (int k = 0; k < 4; ++k) state_[k] = forgets * state_[k] + stirs * normal(random_);
+    const ToolClearance::Approach approach = clearance_.approach(place_);
+    Vec3 way = state_.head<3>();
+    way -= way.dot(approach.out) * approach.out;
+    // It comes back from the border of where it palpates.
+    const Vec3 off = approach.touched - middle_;
+    if (off.norm() > extent_ && way.dot(off) > 0) {
+      way -= 2 * way.dot(off) / off.squaredNorm() * off;
+      state_.head<3>() = way;
+    }
+    // Of a vector with two components of unit variance, the root mean square is √2.
+    const Vec3 aside = place_ + speed_ / std::sqrt(2.0) * kTick * way;
+    const double depth = kDepth + kDepthChange * std::tanh(state_[3]);
+    const Vec3 next = at_depth(aside, depth);
+    // What jumps at a ridge is no motion of a hand.
+    const double far = (next - place_).norm() / (3 * speed_ * kTick);
+    const Vec3 moved = far > 1 ? Vec3(place_ + (next - place_) / far) : next;
+    const Vec3 velocity = (moved - place_) / kTick;
+    velocity_ += kTick / kSmoothing * (velocity - velocity_);
+    place_ = moved;
+    return {place_, velocity_};
+  }
+
+ private:
+  /// The servo tells a velocity of about this age, s.
+  static constexpr double kSmoothing = 0.02;
+
+  [[nodiscard]] Vec3 at_depth(const Vec3& near, double depth) const {
+    const ToolClearance::Approach approach = clearance_.approach(near);
+    return clearance_.pressed(approach.touched, approach.out, depth);
+  }
+
+  const ToolClearance& clearance_;
+  Vec3 middle_;
+  double extent_;
+  double speed_;
+  std::mt19937 random_;
+  /// Of the velocity, and of the depth.
+  Eigen::Vector4d state_ = Eigen::Vector4d::Zero();
+  Vec3 place_;
+  Vec3 velocity_ = Vec3::Zero();
+};
+
+class Bench {
+ public:
+  explicit Bench(const std::string& path) : file_(StateSpaceFile::open_read_only(path)) {
+    for (const ToolSpace& space : file_.read_tool_spaces()) {
+      if (!space.setup.presses() || space.setup.region) continue;
+      setup_ = space.setup;
+      for (const Configuration& c : file_.read_summaries(space.setup.key())) {
+        recorded_[c.check_point] = c;
+      }
+    }
+    if (recorded_.empty()) throw InputError("The file has no space of a rigid tool.");
+    scene_ = file_.read_scene(setup_.body);
+    tools_ = std::make_unique<InteractionFactory>(scene_.body, file_.read_rest(setup_.body));
+    clearance_ = tools_->clearance(setup_.interaction);
+    shell_.depth = setup_.policy.depth;
+    setup_.policy.tolerance = 0;
+    double seconds = 0;
+    double number = 0;
+    for (const auto& [p, c] : recorded_) {
+      if ((c.flags & flags::touches_nothing) != 0) continue;
+      seconds += c.seconds;
+      ++number;
+    }
+    mean_seconds_ = seconds / number;
+    std::printf("%.0f configurations of %.0f ms in the mean, cells of %.3g mm\n\n", number,
+                1e3 * mean_seconds_, 1e3 * setup_.grid.coarsest * setup_.grid.spacing());
+  }
+
+  void print(double extent, double seconds, unsigned seed) const {
+    Vec3 middle = Vec3::Zero();
+    for (const auto& [p, c] : recorded_) middle += setup_.grid.place(p);
+    middle /= static_cast<double>(recorded_.size());
+    middle = clearance_->approach(middle).touched;
+    std::printf("| hand, mm/s |");
+    for (const int cores : kCores) std::printf(" %d |", cores);
+    std::printf("\n|---|");
+    for (std::size_t i = 0; i < std::size(kCores); ++i) std::printf("---|");
+    std::printf("\n");
+    for (const double speed : kSpeeds) {
+      std::printf("| %.0f |", 1e3 * speed);
+      for (const int cores : kCores) {
+        const auto [share, longest] = measure(middle, extent, seconds, seed, speed, cores);
+        std::printf(" %.1f %%, %.2f s |", 100 * share, longest);
+        std::fflush(stdout);
+      }
+      std::printf("\n");
+    }
+  }
+
+ private:
+  [[nodiscard]] std::pair<double, double> measure(const Vec3& middle, double extent, double seconds,
+                                                  unsigned seed, double speed, int cores) const {
+    FollowTool strategy(setup_, clearance_, scene_.body.touchable, shell_);
+    ShellCells cells(*clearance_, setup_.grid, scene_.body.touchable, shell_);
+    test::FollowingOptions options;
+    options.solvers = cores;
+    options.seconds = [this](const Transition& transition) {
+      const auto known = recorded_.find(transition.target);
+      const double from_start = known != recorded_.end() ? known->second.seconds : mean_seconds_;
+      return transition.needs_no_start() ? 2 * from_start : from_start;
+    };
+    test::FollowingSimulation simulation(strategy, cells, options,
+                                         [this](const Transition& t, ConfigurationSummary& found) {
+                                           const CheckPoint parent = found.parent;
+                                           const auto known = recorded_.find(t.target);
+                                           if (known != recorded_.end()) found = known->second;
+                                           found.parent = parent;
+                                         });
+    PalpatingHand hand(*clearance_, middle, extent, speed, seed);
+    const auto move = [&](double) { return hand.next(); };
+    simulation.run(move, 1);
+    const test::Following before = simulation.result();
+    simulation.run(move, seconds);
+    const test::Following& after = simulation.result();
+    return {static_cast<double>(after.in_known - before.in_known) /
+                static_cast<double>(after.in_shell - before.in_shell),
+            after.longest_miss};
+  }
+
+  StateSpaceFile file_;
+  ToolSpaceSetup setup_;
+  Scene scene_;
+  std::unique_ptr<InteractionFactory> tools_;
+  std::shared_ptr<const ToolClearance> clearance_;
+  ShellOptions shell_;
+  std::map<CheckPoint, ConfigurationSummary> recorded_;
+  double mean_seconds_ = 0;
+};
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  using namespace palpate;
+  try {
+    const Arguments arguments(argc, argv, kDefaults);
+    Bench(arguments.scene)
+        .print(1e-3 * arguments["extent"], arguments["seconds"],
+               static_cast<unsigned>(arguments["seed"]));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Following a scripted hand by a virtual clock: the solvers take the time that they are said to
+// take, and find what they are told to find.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "following/follow_tool.h"
+
+namespace palpate::test {
+
+struct FollowingOptions {
+  int solvers = 1;
+  /// The time of a transition, s; empty: 37 ms from a known start, and twice that from where the
+  /// tool touches nothing.
+  std::function<double(const Transition&)> seconds;
+  /// The time between two poses that the strategy hears of, s.
+  double between_poses = 0.01;
+  PredictionOptions prediction;
+};
+
+struct Following {
+  /// The transitions in the order in which they were begun, and when, s.
+  std::vector<Transition> begun;
+  std::vector<double> times;
+  /// Ticks of 1 ms in which the hand was in a root cell of the shell, and in which that cell was
+  /// known.
+  long in_shell = 0;
+  long in_known = 0;
+  /// The longest time without a known cell, s.
+  double longest_miss = 0;
+};
+
+class FollowingSimulation {
+ public:
+  /// The hand at a time, s.
+  using Hand = std::function<HandMotion(double)>;
+  /// What a transition finds. The check-point and the parent are set already.
+  using Solve = std::function<void(const Transition&, ConfigurationSummary&)>;
+
+  /// @param cells The cells of the strategy's space.
+  FollowingSimulation(FollowTool& strategy, ShellCells& cells, const FollowingOptions& options,
+                      Solve solve);
+
+  /// Goes on for a time, s.
+  void run(const Hand& hand, double seconds);
+  /// Goes on until nothing is left to be done. @returns false: it took longer than that, s.
+  bool run_to_end(const Hand& hand, double at_most);
+
+  [[nodiscard]] const Following& result() const { return result_; }
+  [[nodiscard]] double time() const { return 1e-3 * static_cast<double>(ticks_); }
+
+ private:
+  struct Solver {
+    bool is_busy = false;
+    double until = 0;
+    Transition transition;
+  };
+  void tick(const HandMotion& hand);
+  [[nodiscard]] double seconds_of(const Transition& transition);
+
+  FollowTool& strategy_;
+  ShellCells& cells_;
+  FollowingOptions options_;
+  Solve solve_;
+  std::vector<Solver> solvers_;
+  std::map<CheckPoint, bool> known_;
+  long ticks_ = 0;
+  double next_pose_ = 0;
+  double missed_since_ = 0;
+  bool is_missing_ = false;
+  Following result_;
+};
+
+}  // namespace palpate::test
