@@ -64,9 +64,10 @@ TouchOnMesh CarriedTouches::tell(std::size_t touch, const Equilibrium* state,
   told.error = estimate.force;
   told.is_known = state->outcome == Outcome::converged && estimate.is_small;
   told.energy_of_cells = std::move(estimate.energy_of_cells);
-  if (told.is_known)
+  if (told.is_known) {
     told.coarse_cells = coarse_cells(tool.pressed_surface(state->t, state->u), mesh);
-  if (told.is_known) found_[touch] = state->u;
+    found_[touch] = state->u;
+  }
   return told;
 }
 

@@ -76,9 +76,10 @@ std::vector<StartGraph::Target> shell_targets(const ToolClearance& clearance, co
       corners.insert(corner_of(cells.root(numbers), corner));
     }
   });
+  const auto is_corner = [&](const CheckPoint& p) { return corners.count(p) > 0; };
   std::vector<StartGraph::Target> targets;
   for (const CheckPoint& p : corners) {
-    targets.push_back({p, cells.starts(p), cells.node(p).is_free, cells.distance(p)});
+    targets.push_back({p, cells.starts(p, is_corner), cells.node(p).is_free, cells.distance(p)});
   }
   return targets;
 }

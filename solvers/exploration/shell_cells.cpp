@@ -118,7 +118,8 @@ bool ShellCells::is_asked_for(const ToolClearance::Approach& approach) const {
          (!options_.region || options_.region(approach.touched));
 }
 
-std::vector<CheckPoint> ShellCells::starts(const CheckPoint& p) {
+std::vector<CheckPoint> ShellCells::starts(
+    const CheckPoint& p, const std::function<bool(const CheckPoint&)>& is_corner) {
   const Node& here = node(p);
   if (here.is_free) return {p};
   struct Start {

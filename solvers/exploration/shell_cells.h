@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -65,7 +66,10 @@ class ShellCells {
   [[nodiscard]] double distance(const CheckPoint& p);
   /// The starts from which a corner may be reached, the best first. The corner itself among them
   /// means that it is reached without a start, from where the tool touches nothing.
-  [[nodiscard]] std::vector<CheckPoint> starts(const CheckPoint& p);
+  /// @param is_corner Whether a check-point is a corner of the shell: is_corner(), or what the
+  ///   caller knows of the whole shell.
+  [[nodiscard]] std::vector<CheckPoint> starts(
+      const CheckPoint& p, const std::function<bool(const CheckPoint&)>& is_corner);
 
  private:
   [[nodiscard]] bool is_too_deep(double depth) const {

@@ -34,11 +34,7 @@ bool ShellRounds::plan(Engine& engine, Communicator& communicator, PrecomputeRep
     }
     const double tolerance = force_tolerance(setup.policy, found);
     if (!(tolerance > 0)) return;
-    const Clearance clearance = [&](const Vec3& q) { return clearance_->clearance(q); };
-    const CellRefinement refinement = plan_refinement(
-        setup.grid, found, tolerance, 1, clearance,
-        [&](const CellEstimate& estimate) { return halvings_.is_in_vain(estimate); });
-    halvings_.take(refinement.estimates);
+    const CellRefinement refinement = halvings_.plan(setup.grid, found, tolerance, *clearance_);
     auto graph = std::make_shared<const StartGraph>(
         setup.key(),
         refined_targets(*clearance_, setup.grid, refinement.to_split, known, options_));

@@ -2,7 +2,6 @@
 #include "following/follow_tool.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -22,7 +21,7 @@ constexpr double kStaysWithin = 0.25;
 }  // namespace
 
 bool FollowTool::Due::operator<(const Due& other) const {
-  return std::tie(time, depth, check_point) < std::tie(other.time, other.depth, other.check_point);
+  return std::tie(need, depth, check_point) < std::tie(other.need, other.depth, other.check_point);
 }
 
 FollowTool::FollowTool(const ToolSpaceSetup& setup, std::shared_ptr<const ToolClearance> clearance,
@@ -114,11 +113,11 @@ void FollowTool::plan_coarse() {
   std::sort(coarse_.begin(), coarse_.end());
 }
 
-void FollowTool::add_corners(const CheckPoint& numbers, double time, std::vector<Due>& due) {
+void FollowTool::add_corners(const CheckPoint& numbers, double need, std::vector<Due>& due) {
   const Cell cell = cells_.root(numbers);
   for (int corner = 0; corner < 8; ++corner) {
     const CheckPoint p = corner_of(cell, corner);
-    if (!is_done(p)) due.push_back({time, cells_.node(p).approach.depth, p});
+    if (!is_done(p)) due.push_back({need, cells_.node(p).approach.depth, p});
   }
 }
 
@@ -140,11 +139,7 @@ void FollowTool::plan_fine() {
   }
   const double tolerance = force_tolerance(setup_.policy, all);
   if (!(tolerance > 0)) return;
-  const Clearance clearance = [&](const Vec3& q) { return clearance_->clearance(q); };
-  const CellRefinement refinement =
-      plan_refinement(setup_.grid, found, tolerance, 1, clearance,
-                      [&](const CellEstimate& estimate) { return halvings_.is_in_vain(estimate); });
-  halvings_.take(refinement.estimates);
+  const CellRefinement refinement = halvings_.plan(setup_.grid, found, tolerance, *clearance_);
   std::vector<Cell> to_split;
   for (const Cell& cell : refinement.to_split) {
     if (hand_->time_until(cells_.box(cell)) < kNever) to_split.push_back(cell);
@@ -222,7 +217,10 @@ std::optional<Transition> FollowTool::choose(const CheckPoint& p, bool may_wait)
 
 FollowTool::Target& FollowTool::target(const CheckPoint& p) {
   const auto [here, is_new] = targets_.try_emplace(p);
-  if (is_new) here->second.starts = cells_.starts(p);
+  if (is_new) {
+    here->second.starts =
+        cells_.starts(p, [&](const CheckPoint& q) { return cells_.is_corner(q); });
+  }
   return here->second;
 }
 

@@ -80,7 +80,8 @@ class FollowTool {
   };
   /// A target that is due, in the order of need.
   struct Due {
-    double time = 0;
+    /// The time until it may be needed, s; beyond coarse cells, the distance from the hand, m.
+    double need = 0;
     double depth = 0;
     CheckPoint check_point{};
     bool operator<(const Due& other) const;
@@ -100,7 +101,7 @@ class FollowTool {
   void plan_fine();
   void plan_around();
   /// Adds the corners of a root cell that are not known.
-  void add_corners(const CheckPoint& numbers, double time, std::vector<Due>& due);
+  void add_corners(const CheckPoint& numbers, double need, std::vector<Due>& due);
   /// Adds the cells around a root cell that are not complete to the border.
   void add_to_border(const CheckPoint& middle);
   [[nodiscard]] std::optional<Transition> take_first(const std::vector<Due>& due, bool may_wait);

@@ -35,7 +35,6 @@ class HandPrediction {
   explicit HandPrediction(const HandMotion& hand, const PredictionOptions& options = {});
 
   [[nodiscard]] const HandMotion& hand() const { return hand_; }
-  [[nodiscard]] const PredictionOptions& options() const { return options_; }
   /// The least time after which the hand may be in a box, s; infinite: it is beyond the horizon.
   [[nodiscard]] double time_until(const Eigen::AlignedBox3d& box) const;
   /// The box in which the hand may be within the horizon, m.

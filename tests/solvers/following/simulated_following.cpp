@@ -47,10 +47,10 @@ void FollowingSimulation::tick(const HandMotion& hand) {
     found.parent = solver.transition.start;
     found.outcome = Outcome::converged;
     solve_(solver.transition, found);
-    if (found.usable()) known_[found.check_point] = true;
+    if (found.usable()) known_.insert(found.check_point);
     strategy_.accept(found);
   }
-  for (const CheckPoint& p : strategy_.given_up()) known_[p] = false;
+  for (const CheckPoint& p : strategy_.given_up()) known_.insert(p);
   if (now >= next_pose_) {
     strategy_.follow(HandPrediction(hand, options_.prediction));
     next_pose_ += options_.between_poses;

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <functional>
-#include <map>
+#include <set>
 #include <vector>
 
 #include "following/follow_tool.h"
@@ -66,7 +66,8 @@ class FollowingSimulation {
   FollowingOptions options_;
   Solve solve_;
   std::vector<Solver> solvers_;
-  std::map<CheckPoint, bool> known_;
+  /// What was found, or given up.
+  std::set<CheckPoint> known_;
   long ticks_ = 0;
   double next_pose_ = 0;
   double missed_since_ = 0;
