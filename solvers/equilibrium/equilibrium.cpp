@@ -527,6 +527,9 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   Outcome outcome = Outcome::converged;
   const double least_stride = std::ldexp(longest_stride, -options_.max_halvings);
   bool may_follow = options_.follow_folds && !system_.is_iterative();
+  // On the way, v serves the next prediction alone. A factor is of use to the next step; without
+  // factors, an exact v and the inertia would be for nothing.
+  const Tangent on_the_way = system_.is_iterative() ? Tangent::rough : Tangent::factorised;
   int failures = 0;  // in a row
   while (progress.way < 1) {
     if (progress.steps >= options_.max_steps) {
@@ -538,7 +541,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
     const double next_way = progress.way + stride;
     const bool last = next_way == 1;
     Equilibrium next = step(stride, last ? t : Eigen::VectorXd(start.t + next_way * way),
-                            last ? tangent : Tangent::factorised, progress);
+                            last ? tangent : on_the_way, progress);
     outcome = next.outcome;
     if (outcome == Outcome::aborted || outcome == Outcome::budget_used_up) break;
     if (outcome == Outcome::tool_inside) {
@@ -577,6 +580,13 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
     progress.last_stride = 0;
   }
   Equilibrium& state = progress.state;
+  const bool is_told_to = outcome == Outcome::aborted || outcome == Outcome::budget_used_up;
+  if (outcome != Outcome::converged && !is_told_to && progress.way > 0 &&
+      system_.is_iterative() && tangent != Tangent::rough) {
+    // The solve ends on the way, where v is rough.
+    auto exact = linearise_at(state.t, system_.vector_of(state), tangent);
+    if (exact) take(std::move(exact->state), state);
+  }
   state.outcome = outcome;
   state.summary.folds = std::move(progress.folds);
   if (!state.summary.folds.empty()) state.flags |= flags::near_fold;
