@@ -222,6 +222,17 @@ SolveSummary CondensedSystem::solve(const CondensedTangent& tangent,
   return summary;
 }
 
+SolveSummary CondensedSystem::descend(const CondensedTangent& tangent,
+                                      Eigen::Ref<Eigen::MatrixXd> column, double tolerance) {
+  const Timer timer(work_.solve_seconds);
+  ++work_.right_hand_sides;
+  if (!krylov_->has(tangent.values)) krylov_->take(tangent.values);
+  SolveSummary summary = krylov_->descend(column, tolerance);
+  work_.krylov_iterations += summary.iterations;
+  constraints_.project(column);
+  return summary;
+}
+
 Inertia CondensedSystem::find_inertia(const CondensedTangent& tangent) {
   const Timer timer(work_.solve_seconds);
   if (!krylov_->has(tangent.values)) krylov_->take(tangent.values);

@@ -201,6 +201,9 @@ class CondensedSystem {
   /// Solves by iteration, see KrylovTangent::solve().
   [[nodiscard]] SolveSummary solve(const CondensedTangent& tangent,
                                    Eigen::Ref<Eigen::MatrixXd> columns, double tolerance);
+  /// A direction in which the energy falls, see KrylovTangent::descend().
+  [[nodiscard]] SolveSummary descend(const CondensedTangent& tangent,
+                                     Eigen::Ref<Eigen::MatrixXd> column, double tolerance);
   /// Estimates the inertia by iteration.
   [[nodiscard]] Inertia find_inertia(const CondensedTangent& tangent);
   /// The number of negative pivots besides the one that each pressure has.

@@ -12,6 +12,10 @@ namespace {
 /// Sufficient decrease with the usual constant (Nocedal & Wright, 3.4).
 constexpr double kSufficientDecrease = 1e-4;
 constexpr int kMaxBacktracks = 15;
+/// If the slope at the trial that was accepted is more than this share of the first one, a longer
+/// trial that was refused shows where the energy is less. Two further trials at the most.
+constexpr double kStillSteep = 0.3;
+constexpr int kMostRefinements = 3;
 /// If the line search shortens a step below this share, the factor belongs to a state too far away:
 /// where a stiff part has turned since, the factor takes a stretch of it for a soft mode.
 constexpr double kShortStep = 0.02;
@@ -41,37 +45,52 @@ bool evaluate(CondensedSystem& system, const Eigen::VectorXd& q, Iterate& iterat
   return std::isfinite(iterate.norm);
 }
 
-/// Whether a trial at `length` of the step decreases the energy enough. If not, `length` becomes
-/// the one to try next.
+/// A point of a line search: its length, the energy there and its slope.
+struct OnLine {
+  double length = 0;
+  double energy = 0;
+  double slope = 0;
+};
+
+/// The minimum of the cubic through the energies and the slopes of two points, well within them
+/// (Nocedal & Wright, 3.5).
+double between(const OnLine& low, const OnLine& high) {
+  const double way = high.length - low.length;
+  const double d = low.slope + high.slope - 3 * (high.energy - low.energy) / way;
+  const double root = std::sqrt(std::max(0.0, d * d - low.slope * high.slope));
+  const double share = 1 - (high.slope + root - d) / (high.slope - low.slope + 2 * root);
+  constexpr double kMargin = 0.1;
+  // Where the energy is not finite, so is not the share.
+  return low.length + way * (share > kMargin ? std::min(share, 1 - kMargin) : kMargin);
+}
+
+/// Whether a trial decreases the energy enough.
+/// @param slope That of the energy at the start of the line.
 /// @param at_rest CondensedSystem::energies_at_rest().
 bool accept_by_energy(const Iterate& old, const Iterate& trial, double slope, double at_rest,
-                      double& length) {
+                      double length) {
   const double change = trial.energy - old.energy;
   if (change <= kSufficientDecrease * length * slope) return true;
   const bool level = std::abs(change) <=
                      kEnergyRounding * (std::abs(old.energy) + std::abs(trial.energy) + at_rest);
-  if (level && trial.norm < old.norm) return true;
-  // Minimum of the parabola through the energy, its slope and the trial energy.
-  const double best = -slope * length * length / (2 * (change - slope * length));
-  length = std::clamp(best, 0.1 * length, 0.5 * length);
-  return false;
+  return level && trial.norm < old.norm;
 }
 
 bool accept_by_residual(const CondensedSystem& system, const Iterate& old, const Iterate& trial,
-                        double& length) {
-  if (system.euclidean_norm(trial.r) <=
-      (1 - kSufficientDecrease * length) * system.euclidean_norm(old.r)) {
-    return true;
-  }
-  length *= 0.5;
-  return false;
+                        double length) {
+  return system.euclidean_norm(trial.r) <=
+         (1 - kSufficientDecrease * length) * system.euclidean_norm(old.r);
 }
 
-/// Line search: moves along `step` until a trial is good enough.
+/// Line search: moves along `step` until a trial is good enough. A trial costs far less than the
+/// next step. So if a longer one was too long, as where the tool reaches further points, the least
+/// energy between the two is searched for.
 /// @returns the accepted length of the step; 0: none was accepted.
 double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::VectorXd& step,
               double slope, Iterate& iterate) {
   const NodalVector direction = system.as_state(step);
+  const bool by_residual = system.is_saddle();
+  const Iterate old = iterate;
   Iterate trial;
   double length = 1;
   const double longest = system.longest_step();
@@ -79,21 +98,34 @@ double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::Ve
     const Eigen::Index displacements = 3 * Eigen::Index{system.assembly().num_points()};
     length = std::min(1.0, longest / direction.head(displacements).lpNorm<Eigen::Infinity>());
   }
+  OnLine low{0, old.energy, slope};
+  std::optional<OnLine> high;
   for (int i = 0; i < kMaxBacktracks; ++i) {
-    trial.state = iterate.state + length * direction;
-    if (!evaluate(system, q, trial)) {
-      length *= 0.25;
-      continue;
+    trial.state = old.state + length * direction;
+    const bool is_finite = evaluate(system, q, trial);
+    const OnLine here{length, trial.energy, is_finite ? step.dot(trial.r) : 0};
+    const bool accepted =
+        is_finite &&
+        (by_residual ? accept_by_residual(system, old, trial, length)
+                     : accept_by_energy(old, trial, slope, system.energies_at_rest(), length) &&
+                           (low.length == 0 || trial.energy <= low.energy));
+    if (accepted) {
+      std::swap(iterate, trial);
+      low = here;
+      const bool may_gain = high && !by_residual && low.slope < kStillSteep * slope;
+      if (!may_gain || i > kMostRefinements) return low.length;
+    } else {
+      if (low.length > 0) return low.length;
+      high.reset();
+      if (is_finite && !by_residual) high = here;
+      if (!high) {
+        length = low.length + 0.5 * (length - low.length);
+        continue;
+      }
     }
-    const double tried = length;
-    const bool accepted = system.is_saddle() ? accept_by_residual(system, iterate, trial, length)
-                                             : accept_by_energy(iterate, trial, slope,
-                                                                system.energies_at_rest(), length);
-    if (!accepted) continue;
-    std::swap(iterate, trial);
-    return tried;
+    length = between(low, *high);
   }
-  return 0;
+  return low.length;
 }
 
 /// The outcome with which the iteration ends; nothing: it goes on.
@@ -222,8 +254,10 @@ Correction correct_by_iteration(CondensedSystem& system, const EquilibriumOption
     }
     last_norm = iterate.norm;
     Eigen::MatrixXd step = -iterate.r;
-    const SolveSummary summary = system.solve(*system.tangent(t, iterate.state), step, forcing);
-    if (!(summary.residual <= kUseless)) return end(Outcome::tangent_not_solved);
+    const SolveSummary summary = system.descend(*system.tangent(t, iterate.state), step, forcing);
+    const bool is_of_use =
+        summary.residual <= kUseless || summary.status == SolveStatus::negative_curvature;
+    if (!is_of_use) return end(Outcome::tangent_not_solved);
     Eigen::VectorXd direction = step.col(0);
     double slope = direction.dot(iterate.r);
     if (slope > 0) {

@@ -104,12 +104,28 @@ SolveSummary KrylovTangent::solve(Eigen::Ref<Eigen::MatrixXd> columns, double to
     summary.iterations += before;
   }
   operator_->turn_back(right_hand_sides, columns);
+  take_rate(summary);
+  return summary;
+}
+
+SolveSummary KrylovTangent::descend(Eigen::Ref<Eigen::MatrixXd> column, double tolerance) {
+  prepare();
+  solver_.set_options({tolerance, max_iterations_});
+  const Eigen::VectorXd right_hand_side = column.col(0);
+  SolveSummary summary = solver_.solve(*operator_, *preconditioner_, column);
+  if (summary.status == SolveStatus::negative_curvature && column.isZero(0)) {
+    column = std::copysign(1.0, summary.direction.dot(right_hand_side)) * summary.direction;
+  }
+  take_rate(summary);
+  return summary;
+}
+
+void KrylovTangent::take_rate(const SolveSummary& summary) {
   if (summary.iterations > 0 && summary.residual > 0 && summary.residual < 1) {
     const double rate = summary.iterations / -std::log10(summary.residual);
     if (first_rate_ == 0) first_rate_ = rate;
     is_stale_ = rate > kMuchWorse * first_rate_;
   }
-  return summary;
 }
 
 Inertia KrylovTangent::inertia() {

@@ -45,11 +45,19 @@ class KrylovTangent {
   /// @param tolerance Residual of each column, as a share of its right-hand side.
   [[nodiscard]] SolveSummary solve(Eigen::Ref<Eigen::MatrixXd> columns, double tolerance);
 
+  /// Overwrites a column with the solution for it or, where the iteration meets negative curvature,
+  /// with what it has found until then: the energy falls along it (Dembo & Steihaug,
+  /// Truncated-Newton algorithms for large-scale unconstrained optimization, Math. Program. 26,
+  /// 1983). The status says so.
+  [[nodiscard]] SolveSummary descend(Eigen::Ref<Eigen::MatrixXd> column, double tolerance);
+
   /// An estimate of the inertia of the tangent that was taken.
   [[nodiscard]] Inertia inertia();
 
  private:
   void prepare();
+  /// Notes how fast a solve has converged.
+  void take_rate(const SolveSummary& summary);
   /// Makes a preconditioner for an indefinite tangent, with the help of the tangent at rest.
   void refresh_with_rest();
 
