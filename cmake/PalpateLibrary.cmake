@@ -8,14 +8,15 @@ target_compile_options(palpate_warnings INTERFACE -Wall -Wextra -Wshadow)
 palpate_add_library(<part>
   SOURCES <file>…
   [DEPENDS <part or imported target>…]
-  [PRIVATE_DEPENDS <part or imported target>…])
+  [PRIVATE_DEPENDS <part or imported target>…]
+  [INNER_LOOPS])
 
 Makes the static, position-independent library palpate_<part> (alias palpate::<part>) of a folder
 of solvers/ or haptic/. A dependency without "::" is the name of another part. DEPENDS are those
-that the part's headers include.
+that the part's headers include. With INNER_LOOPS the part has loops in which time is spent.
 ]]
 function(palpate_add_library part)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "INNER_LOOPS" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS")
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "palpate_add_library(${part}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
   endif()
@@ -30,6 +31,9 @@ function(palpate_add_library part)
     # The libraries end up inside the plugin: nothing of them is to be seen from outside.
     CXX_VISIBILITY_PRESET hidden
     VISIBILITY_INLINES_HIDDEN ON)
+  if(arg_INNER_LOOPS)
+    target_compile_options(${target} PRIVATE ${palpate_optimise_loops})
+  endif()
   target_compile_features(${target} PUBLIC cxx_std_17)
   target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/solvers>")
   if(part MATCHES "^haptic_")
@@ -88,6 +92,7 @@ processor; it is one that uses PALPATE_INSTRUCTION_SET (solvers/base/simd.h). Wh
 the part sees PALPATE_X86_KERNELS.
 ]]
 function(palpate_add_instruction_sets part source)
+  set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${palpate_optimise_loops}")
   # -Wpsabi warns of passing wide vectors between sources compiled differently: none are.
   target_compile_options(palpate_${part} PRIVATE -Wno-psabi)
   if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")

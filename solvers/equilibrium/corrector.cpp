@@ -15,7 +15,9 @@ constexpr int kMaxBacktracks = 15;
 /// If the slope at the trial that was accepted is more than this share of the first one, a longer
 /// trial that was refused shows where the energy is less. Two further trials at the most.
 constexpr double kStillSteep = 0.3;
-constexpr int kMostRefinements = 3;
+constexpr int kMostRefinements = 2;
+/// Trials that are not finite are halved this often, and quartered after that.
+constexpr int kHalvedTrials = 2;
 /// If the line search shortens a step below this share, the factor belongs to a state too far away:
 /// where a stiff part has turned since, the factor takes a stretch of it for a soft mode.
 constexpr double kShortStep = 0.02;
@@ -100,6 +102,7 @@ double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::Ve
   }
   OnLine low{0, old.energy, slope};
   std::optional<OnLine> high;
+  int refinements = 0;
   for (int i = 0; i < kMaxBacktracks; ++i) {
     trial.state = old.state + length * direction;
     const bool is_finite = evaluate(system, q, trial);
@@ -113,17 +116,18 @@ double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::Ve
       std::swap(iterate, trial);
       low = here;
       const bool may_gain = high && !by_residual && low.slope < kStillSteep * slope;
-      if (!may_gain || i > kMostRefinements) return low.length;
-    } else {
-      if (low.length > 0) return low.length;
-      high.reset();
-      if (is_finite && !by_residual) high = here;
-      if (!high) {
-        length = low.length + 0.5 * (length - low.length);
-        continue;
-      }
+      if (!may_gain || ++refinements > kMostRefinements) return low.length;
+      length = between(low, *high);
+      continue;
     }
-    length = between(low, *high);
+    if (low.length > 0) return low.length;
+    if (is_finite && !by_residual) {
+      high = here;
+      length = std::min(between(low, here), 0.5 * length);
+    } else {
+      high.reset();
+      length *= is_finite || i < kHalvedTrials ? 0.5 : 0.25;
+    }
   }
   return low.length;
 }

@@ -581,8 +581,8 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   }
   Equilibrium& state = progress.state;
   const bool is_told_to = outcome == Outcome::aborted || outcome == Outcome::budget_used_up;
-  if (outcome != Outcome::converged && !is_told_to && progress.way > 0 &&
-      system_.is_iterative() && tangent != Tangent::rough) {
+  if (outcome != Outcome::converged && !is_told_to && progress.way > 0 && system_.is_iterative() &&
+      tangent != Tangent::rough) {
     // The solve ends on the way, where v is rough.
     auto exact = linearise_at(state.t, system_.vector_of(state), tangent);
     if (exact) take(std::move(exact->state), state);

@@ -116,7 +116,8 @@ SolveSummary KrylovTangent::descend(Eigen::Ref<Eigen::MatrixXd> column, double t
   if (summary.status == SolveStatus::negative_curvature && column.isZero(0)) {
     column = std::copysign(1.0, summary.direction.dot(right_hand_side)) * summary.direction;
   }
-  take_rate(summary);
+  // What ends early says nothing of how fast the rest would be.
+  if (summary.status != SolveStatus::negative_curvature) take_rate(summary);
   return summary;
 }
 

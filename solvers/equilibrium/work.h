@@ -2,7 +2,7 @@
 // The work that a solver has done: the number of operations of each kind, and their times, s.
 #pragma once
 
-#include <chrono>
+#include "base/clock.h"
 
 namespace palpate {
 
@@ -20,12 +20,6 @@ struct Work {
   [[nodiscard]] double floor_seconds() const;
   Work& operator+=(const Work& other);
 };
-
-using SteadyClock = std::chrono::steady_clock;
-
-inline double seconds_since(SteadyClock::time_point start) {
-  return std::chrono::duration<double>(SteadyClock::now() - start).count();
-}
 
 /// Adds the time of its scope to a sum.
 class Timer {

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/memory_error.h"
 #include "exploration/conversion.h"
+#include "exploration/make_configuration.h"
 #include "schedule/owner.h"
 
 namespace palpate {
@@ -548,24 +549,19 @@ void Engine::load_state(Batch& batch) {
 /// @throws InputError the body is not held.
 Configuration Engine::make(const Batch& batch, const Target& target) {
   const auto& [setup, plan] = space(batch.tool_space);
-  const Eigen::VectorXd t = setup.grid.place(target.check_point);
   ConfigurationSummary sought;
   sought.check_point = target.check_point;
   sought.outcome = Outcome::converged;
   const bool leads_on = target.level < 0 || !plan->following(sought).empty();
   const Tangent tangent = leads_on ? Tangent::factorised : Tangent::iterated;
-  Equilibrium state = batch.has_start() ? solver_.solve(setup, t, *batch.state, tangent)
-                                        : solver_.begin(setup, t, tangent);
-  const MeshError mesh_error = solver_.mesh_error(setup, state);
-  Configuration found = to_configuration(std::move(state));
-  found.mesh_error = mesh_error;
-  found.check_point = target.check_point;
-  found.level = target.level;
-  found.parent = batch.has_start() ? batch.start.check_point : target.check_point;
-  found.parent_level = batch.start.level;
+  const Transition transition{target.check_point,
+                              batch.has_start() ? batch.start.check_point : target.check_point,
+                              batch.start.level};
+  Configuration found =
+      make_configuration(solver_, setup, transition,
+                         batch.has_start() ? batch.state.get() : nullptr, target.level, tangent);
   found.iterations += target.iterations;
   found.seconds += target.seconds;
-  if (setup.policy.is_beyond_limit(found.force)) found.flags |= flags::beyond_force_limit;
   return found;
 }
 

@@ -27,18 +27,8 @@
 namespace palpate {
 namespace {
 
-/// A step that leads to another branch, as at a ridge, is halved this often before the body jumps.
-/// Eight halvings jump to the same state in three times the time.
-constexpr int kMostHalvingsOfStep = 3;
-
 EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& monitor) {
-  EquilibriumOptions result = options.equilibrium;
-  // The exploration goes depth first: the starts on the current path keep their factors, beside
-  // that of a step.
-  result.follow_folds = false;
-  if (options.contact) result.max_halvings = std::min(result.max_halvings, kMostHalvingsOfStep);
-  result.kept_factors =
-      num_kept_factors(options.contact ? kShellLayers : (options.resolution - 1) / 2);
+  EquilibriumOptions result = exploring(options);
   result.abort_requested = [&monitor, asked = options.equilibrium.abort_requested] {
     return !monitor.go_on() || (asked && asked());
   };

@@ -101,9 +101,8 @@ void throw_nothing_to_press() {
       "touchable points with Set Boundary, or another region.");
 }
 
-std::vector<PlannedSpace> plan_shell(const SpaceBody& of, const PrecomputeOptions& options,
-                                     InteractionFactory& tools,
-                                     const std::optional<MeshRegion>& region) {
+ToolSpaceSetup plan_tool(const SpaceBody& of, const PrecomputeOptions& options,
+                         InteractionFactory& tools, const std::optional<MeshRegion>& region) {
   const Body& body = of.scene->body;
   PieceSupport(body.mesh, holding_points(body)).require_held({});
   const ContactOptions& contact = *options.contact;
@@ -139,8 +138,16 @@ std::vector<PlannedSpace> plan_shell(const SpaceBody& of, const PrecomputeOption
   setup.policy.tolerance_is_relative = options.tolerance_is_relative;
   setup.policy.depth = contact.shell.depth;
   setup.region = region;
+  return setup;
+}
+
+std::vector<PlannedSpace> plan_shell(const SpaceBody& of, const PrecomputeOptions& options,
+                                     InteractionFactory& tools,
+                                     const std::optional<MeshRegion>& region) {
+  const ToolSpaceSetup setup = plan_tool(of, options, tools, region);
   std::vector<StartGraph::Target> targets =
-      shell_targets(*clearance, setup.grid, body.touchable, contact.shell);
+      shell_targets(*tools.clearance(setup.interaction), setup.grid, of.scene->body.touchable,
+                    options.contact->shell);
   if (targets.empty() && region) return {};
   if (targets.empty()) throw_nothing_to_press();
   return {{setup, std::make_shared<const StartGraph>(setup.key(), std::move(targets))}};

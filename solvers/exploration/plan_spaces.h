@@ -28,6 +28,12 @@ namespace palpate {
                                                    const PrecomputeOptions& options,
                                                    const std::optional<MeshRegion>& region = {});
 
+/// What the space of the rigid tool is of, without its targets.
+/// @throws InputError the tool has no valid shape.
+[[nodiscard]] ToolSpaceSetup plan_tool(const SpaceBody& body, const PrecomputeOptions& options,
+                                       InteractionFactory& tools,
+                                       const std::optional<MeshRegion>& region = {});
+
 /// The space of the rigid tool. Its plan is a StartGraph.
 /// @param region The region that the body is for; nothing: the whole organ.
 /// @returns Nothing if there is nothing to press in the region.

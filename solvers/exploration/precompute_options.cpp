@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "exploration/precompute_options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -9,6 +10,13 @@
 #include "fields/pod.h"
 
 namespace palpate {
+namespace {
+
+/// A step that leads to another branch, as at a ridge, is halved this often before the body jumps.
+/// Eight halvings jump to the same state in three times the time.
+constexpr int kMostHalvingsOfStep = 3;
+
+}  // namespace
 
 void validate(const PrecomputeOptions& options) {
   if (options.contact) {
@@ -75,6 +83,17 @@ void validate(const PrecomputeOptions& options) {
                      "; it must be a share from 0.00001 to below 1.");
   }
   validate(options.equilibrium);
+}
+
+EquilibriumOptions exploring(const PrecomputeOptions& options) {
+  EquilibriumOptions result = options.equilibrium;
+  // The exploration goes depth first: the starts on the current path keep their factors, beside
+  // that of a step.
+  result.follow_folds = false;
+  if (options.contact) result.max_halvings = std::min(result.max_halvings, kMostHalvingsOfStep);
+  result.kept_factors =
+      num_kept_factors(options.contact ? kShellLayers : (options.resolution - 1) / 2);
+  return result;
 }
 
 }  // namespace palpate

@@ -93,4 +93,7 @@ inline constexpr int kShellLayers = 6;
 /// a step.
 [[nodiscard]] constexpr int num_kept_factors(int num_layers) { return num_layers + 2; }
 
+/// The options of the solvers of an exploration.
+[[nodiscard]] EquilibriumOptions exploring(const PrecomputeOptions& options);
+
 }  // namespace palpate

@@ -36,6 +36,7 @@ LIBRARIES = [
     ("hidapi", r"(hidapi/)?hidapi\w*\.h"),
     ("CSV", r"csv\.h"),
     ("CLI11", r"CLI/.+"),
+    ("CZMQ", r"c?zmq\.h"),
     ("Linux", r"linux/\w+\.h"),
     ("Eigen", r"(unsupported/)?Eigen/.+"),
     ("GoogleTest", r"g(test|mock)/.+"),
@@ -49,7 +50,8 @@ LIBRARIES = [
     ("Qt", r"(Qt\w+/)?Q[A-Z]\w*"),
     ("X11", r"X11/\w+\.h"),
     ("POSIX",
-     r"sys/\w+\.h|(unistd|dirent|fcntl|spawn|signal|poll|dlfcn|pthread|sched|ucontext)\.h"),
+     r"(sys|arpa|netinet)/\w+\.h"
+     r"|(unistd|dirent|fcntl|spawn|signal|poll|dlfcn|pthread|sched|ucontext)\.h"),
     ("std", r"[a-z_0-9]+"),
 ]
 
@@ -65,7 +67,7 @@ class Unit(NamedTuple):
 SOLVER_PARTS = ["base", "threads", "mesh", "materials", "reduced", "elements", "assembly",
                 "interaction", "linear", "iterative", "equilibrium", "discretisation",
                 "dynamics", "state_space", "fields", "interpolation", "storage", "schedule",
-                "exploration", "following", "reduction", "accuracy"]
+                "exploration", "following", "reduction", "accuracy", "explorers"]
 
 
 def solver_units():
@@ -78,6 +80,7 @@ def solver_units():
         "storage": {"SQLite", "xxHash", "POSIX"},
         "schedule": {"MPI"},
         "reduction": {"xxHash"},  # what a model follows from
+        "explorers": {"CZMQ", "POSIX"},  # connections, and processes of this machine
     }
     # What a servo loop computes with needs no more than this.
     narrower = {"reduced": {"solvers/base", "solvers/materials"}}
@@ -163,6 +166,8 @@ def interactor_units():
 
 # The longest folder that matches counts.
 UNITS = solver_units() | haptic_units() | filter_units() | interactor_units() | {
+    "solvers/palpate_explore": Unit({"std", "POSIX", "CLI11"},
+                                    {"solvers/base", "solvers/explorers"}),
     # What the programs that a filter starts share.
     "filters/programs/program": Unit({"std", "POSIX"}),
     "filters/programs/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"},

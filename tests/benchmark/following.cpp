@@ -11,18 +11,17 @@
 //
 // The extent of the palpation is in mm around the middle of the pressed places.
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <map>
 #include <memory>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
 #include "benchmark/arguments.h"
+#include "benchmark/palpating_hand.h"
 #include "following/follow_tool.h"
 #include "interaction/interaction_spec.h"
 #include "solvers/following/simulated_following.h"
@@ -35,68 +34,6 @@ const std::map<std::string, double> kDefaults{{"extent", 80}, {"seconds", 20}, {
 
 constexpr double kSpeeds[] = {0.01, 0.03, 0.1, 0.2, 0.4};
 constexpr int kCores[] = {1, 2, 4, 8, 32, 128, 1024};
-constexpr double kKeepsVelocity = 0.35;
-constexpr double kTick = 1e-3;
-/// The mean depth, and how far it goes to both sides, m.
-constexpr double kDepth = 4e-3;
-constexpr double kDepthChange = 3e-3;
-
-/// A hand that palpates at random, tick by tick.
-class PalpatingHand {
- public:
-  PalpatingHand(const ToolClearance& clearance, const Vec3& middle, double extent, double speed,
-                unsigned seed)
-      : clearance_(clearance), middle_(middle), extent_(extent), speed_(speed), random_(seed) {
-    place_ = at_depth(middle, kDepth);
-  }
-
-  [[nodiscard]] HandMotion next() {
-    std::normal_distribution<double> normal;
-    const double forgets = std::exp(-kTick / kKeepsVelocity);
-    const double stirs = std::sqrt(1 - forgets * forgets);
-    for (int k = 0; k < 4; ++k) state_[k] = forgets * state_[k] + stirs * normal(random_);
-    const ToolClearance::Approach approach = clearance_.approach(place_);
-    Vec3 way = state_.head<3>();
-    way -= way.dot(approach.out) * approach.out;
-    // It comes back from the border of where it palpates.
-    const Vec3 off = approach.touched - middle_;
-    if (off.norm() > extent_ && way.dot(off) > 0) {
-      way -= 2 * way.dot(off) / off.squaredNorm() * off;
-      state_.head<3>() = way;
-    }
-    // Of a vector with two components of unit variance, the root mean square is √2.
-    const Vec3 aside = place_ + speed_ / std::sqrt(2.0) * kTick * way;
-    const double depth = kDepth + kDepthChange * std::tanh(state_[3]);
-    const Vec3 next = at_depth(aside, depth);
-    // What jumps at a ridge is no motion of a hand.
-    const double far = (next - place_).norm() / (3 * speed_ * kTick);
-    const Vec3 moved = far > 1 ? Vec3(place_ + (next - place_) / far) : next;
-    const Vec3 velocity = (moved - place_) / kTick;
-    velocity_ += kTick / kSmoothing * (velocity - velocity_);
-    place_ = moved;
-    return {place_, velocity_};
-  }
-
- private:
-  /// The servo tells a velocity of about this age, s.
-  static constexpr double kSmoothing = 0.02;
-
-  [[nodiscard]] Vec3 at_depth(const Vec3& near, double depth) const {
-    const ToolClearance::Approach approach = clearance_.approach(near);
-    return clearance_.pressed(approach.touched, approach.out, depth);
-  }
-
-  const ToolClearance& clearance_;
-  Vec3 middle_;
-  double extent_;
-  double speed_;
-  std::mt19937 random_;
-  /// Of the velocity, and of the depth.
-  Eigen::Vector4d state_ = Eigen::Vector4d::Zero();
-  Vec3 place_;
-  Vec3 velocity_ = Vec3::Zero();
-};
-
 class Bench {
  public:
   explicit Bench(const std::string& path) : file_(StateSpaceFile::open_read_only(path)) {

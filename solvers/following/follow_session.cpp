@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "following/follow_session.h"
+
+#include <cmath>
+#include <utility>
+
+#include "base/error.h"
+#include "equilibrium/equilibrium.h"
+#include "equilibrium/tangent_solver.h"
+#include "exploration/chunk_record.h"
+#include "exploration/plan_spaces.h"
+#include "exploration/settle.h"
+#include "schedule/communicator.h"
+#include "state_space/shown_surface.h"
+
+namespace palpate {
+namespace {
+
+/// @throws InputError
+void require_followable(const PrecomputeOptions& options) {
+  validate(options);
+  if (!options.contact) {
+    throw InputError(
+        "A space can be explored around a hand for a rigid tool alone. Choose a tool.");
+  }
+  if (options.intermediate_states > 0) {
+    throw InputError(
+        "A space that is explored around a hand has no intermediate states. Ask for none.");
+  }
+}
+
+/// @throws InputError no touchable point of the surface is in the region.
+void require_something_to_press(const SpaceBody& body, const ShellOptions& shell) {
+  const Body& of = body.scene->body;
+  const Eigen::Index loaded = body.at_rest.u.size();
+  for (Index p = 0; p < of.mesh.num_points(); ++p) {
+    if (of.touchable[static_cast<std::size_t>(p)] == 0) continue;
+    Vec3 place = of.mesh.points[static_cast<std::size_t>(p)];
+    if (loaded > 0) place += body.at_rest.u.segment<3>(3 * Eigen::Index{p});
+    if (!shell.region || shell.region(place)) return;
+  }
+  throw_nothing_to_press();
+}
+
+}  // namespace
+
+struct FollowSession::Impl {
+  Impl(std::shared_ptr<const Scene> scene, const PrecomputeOptions& asked);
+
+  void open_record();
+  /// Keeps targets that were given up, with the last failed attempt, if there was one.
+  void keep_given_up();
+  /// Whether something is what was asked for. It may come from a program of another kind.
+  [[nodiscard]] bool is_sound(const Transition& asked, const Configuration& found);
+
+  PrecomputeOptions options;
+  std::unique_ptr<Communicator> communicator = make_serial_communicator();
+  std::vector<SpaceBody> bodies;
+  std::unique_ptr<InteractionFactory> tools;
+  ExplorerJob job;
+  std::unique_ptr<ChunkRecord> record;
+  std::unique_ptr<FollowTool> strategy;
+  /// The usable configurations, which may be starts.
+  std::map<CheckPoint, ConfigurationSummary> starts;
+  /// Failed transitions whose targets may be reached from another start, with the sums of the
+  /// iterations and times of all attempts.
+  std::map<CheckPoint, ConfigurationSummary> failed;
+  /// The tasks that are under way.
+  std::map<std::int64_t, Transition> tasks;
+  std::int64_t last_task = 0;
+  /// Of the body, as the first configuration has them; −1: there is none yet.
+  Eigen::Index num_pressures = -1;
+  /// The strategy had nothing to be done when it was last asked.
+  bool has_nothing_left = false;
+  Figures figures;
+};
+
+FollowSession::Impl::Impl(std::shared_ptr<const Scene> scene, const PrecomputeOptions& asked)
+    : options(asked) {
+  require_followable(asked);
+  SpaceBody& body = bodies.emplace_back();
+  body.scene = std::move(scene);
+  body.hash = hash(*body.scene);
+  if (body.scene->has_load()) {
+    const EquilibriumSolver solver(*body.scene, exploring(options),
+                                   options.linear_solver.empty()
+                                       ? choose_tangent_solver(*body.scene)
+                                       : make_tangent_solver(options.linear_solver));
+    body.at_rest = settle(*body.scene, solver, options.file, *communicator);
+  }
+  RigidTool& tool = options.contact->tool;
+  tool = has_earlier_layer(*body.scene, options) ? with_earlier_layer(tool, *body.scene)
+                                                 : with_defaults(tool, *body.scene);
+  require_something_to_press(body, options.contact->shell);
+  tools = std::make_unique<InteractionFactory>(body.scene->body, body.at_rest);
+  job.scene = body.scene;
+  job.at_rest = body.at_rest;
+  job.setup = plan_tool(body, options, *tools);
+  job.linear_solver = options.linear_solver;
+  job.tolerance = options.equilibrium.tolerance;
+  job.max_seconds = options.equilibrium.max_seconds;
+  job.estimate_mesh_error = options.estimate_mesh_error;
+  open_record();
+}
+
+void FollowSession::Impl::open_record() {
+  const std::vector<ToolSpaceSetup> setups{job.setup};
+  auto kept = options.file.empty()
+                  ? make_memory_record(bodies, setups, *communicator)
+                  : make_file_record(options.file, bodies, setups, options.equilibrium.tolerance,
+                                     options.keep, options.touch_bound, *communicator);
+  record = std::make_unique<ChunkRecord>(
+      std::move(kept), bodies, [this](BodyId /*body*/) -> InteractionFactory& { return *tools; },
+      setups, options.touch_bound, *communicator);
+  strategy = std::make_unique<FollowTool>(job.setup, tools->clearance(job.setup.interaction),
+                                          job.scene->body.touchable, options.contact->shell);
+  for (const ConfigurationSummary& found : record->known(job.setup.key()).configurations) {
+    if (found.level != 0) continue;
+    strategy->recall(found);
+    if (found.usable()) starts.emplace(found.check_point, found);
+  }
+}
+
+void FollowSession::Impl::keep_given_up() {
+  for (const CheckPoint& target : strategy->given_up()) {
+    const auto last = failed.find(target);
+    if (last == failed.end()) continue;
+    record->keep(job.setup.key(), {last->second, {}, {}, {}, {}}, {});
+    failed.erase(last);
+  }
+}
+
+bool FollowSession::Impl::is_sound(const Transition& asked, const Configuration& found) {
+  if (found.check_point != asked.target || found.level != 0 || found.parent != asked.start) {
+    return false;
+  }
+  if (found.outcome < Outcome::converged || found.outcome > Outcome::tool_inside) return false;
+  if (!found.usable()) return true;
+  const Vec3 place = job.setup.grid.place(asked.target);
+  if (!found.force.allFinite() || !found.stiffness.allFinite() || !std::isfinite(found.energy) ||
+      (found.t - place).norm() > 1e-9 * (1 + place.norm())) {
+    return false;
+  }
+  const Eigen::Index size = 3 * Eigen::Index{job.scene->body.mesh.num_points()};
+  if (found.u.size() == 0) return (found.flags & flags::touches_nothing) != 0;
+  if (num_pressures < 0) num_pressures = found.p.size();
+  return found.u.size() == size && found.v.rows() == size && found.v.cols() == 3 &&
+         found.p.size() == num_pressures && found.p_v.rows() == num_pressures &&
+         (num_pressures == 0 || found.p_v.cols() == 3) && found.u.allFinite() &&
+         found.v.allFinite() && found.p.allFinite() && found.p_v.allFinite();
+}
+
+FollowSession::FollowSession(std::shared_ptr<const Scene> scene, const PrecomputeOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(scene), options)) {}
+
+FollowSession::~FollowSession() = default;
+
+const ExplorerJob& FollowSession::job() const { return impl_->job; }
+
+TouchSpace FollowSession::empty_space() const {
+  return make_empty_touch_space(ShownSurface(impl_->bodies));
+}
+
+void FollowSession::follow(const HandPrediction& hand) {
+  impl_->strategy->follow(hand);
+  impl_->has_nothing_left = false;
+}
+
+std::optional<ExplorerTask> FollowSession::next() {
+  const std::optional<Transition> transition = impl_->strategy->next();
+  impl_->keep_given_up();
+  impl_->has_nothing_left = !transition;
+  if (!transition) return std::nullopt;
+  ExplorerTask task;
+  task.number = ++impl_->last_task;
+  task.transition = *transition;
+  impl_->tasks.emplace(task.number, *transition);
+  if (transition->needs_no_start()) return task;
+  try {
+    const ConfigurationSummary& start = impl_->starts.at(transition->start);
+    task.start = impl_->record->load(impl_->job.setup.key(), start);
+    task.kept = impl_->record->kept(impl_->job.setup.key(), start);
+  } catch (...) {
+    lose(task.number);
+    throw;
+  }
+  return task;
+}
+
+bool FollowSession::accept(const ExplorerResult& result) {
+  const auto task = impl_->tasks.find(result.number);
+  if (task == impl_->tasks.end()) return true;
+  if (!result.refusal.empty()) throw InputError(result.refusal);
+  const Configuration& found = result.found;
+  if (!impl_->is_sound(task->second, found)) {
+    lose(result.number);
+    return false;
+  }
+  if (found.outcome == Outcome::aborted) {
+    lose(result.number);
+    return true;
+  }
+  if (found.usable()) {
+    impl_->record->keep(impl_->job.setup.key(), found, {});
+    impl_->starts.emplace(found.check_point, found);
+    impl_->failed.erase(found.check_point);
+  } else {
+    ConfigurationSummary& failed = impl_->failed[found.check_point];
+    const std::int32_t iterations = failed.iterations;
+    const double seconds = failed.seconds;
+    failed = found;
+    failed.iterations += iterations;
+    failed.seconds += seconds;
+  }
+  impl_->tasks.erase(task);
+  impl_->has_nothing_left = false;
+  ++impl_->figures.num_solved;
+  impl_->figures.seconds += found.seconds;
+  impl_->strategy->accept(found);
+  return true;
+}
+
+void FollowSession::lose(std::int64_t task) {
+  const auto lost = impl_->tasks.find(task);
+  if (lost == impl_->tasks.end()) return;
+  impl_->strategy->lose(lost->second.target);
+  impl_->has_nothing_left = false;
+  impl_->tasks.erase(lost);
+}
+
+std::optional<SpaceChunk> FollowSession::take_chunk() { return impl_->record->take(); }
+
+FollowSession::Figures FollowSession::figures() const {
+  Figures figures = impl_->figures;
+  figures.coverage = impl_->strategy->coverage();
+  figures.num_under_way = static_cast<std::int64_t>(impl_->tasks.size());
+  figures.is_complete = impl_->has_nothing_left && impl_->tasks.empty();
+  return figures;
+}
+
+TouchSpace FollowSession::finish() {
+  return impl_->record->finish(false, impl_->options.touch_bound);
+}
+
+}  // namespace palpate
