@@ -19,7 +19,7 @@ struct BallOnBlock {
     options.contact->spacing = 0.012;
     options.contact->shell.depth = 0.006;
     // Of one material and without ridges, but for the edges of the block.
-    options.contact->shell.region = [](const Vec3& place) { return place.x() > 0.05; };
+    options.contact->shell.region = [](const Vec3& place) { return place.x() > 0.08; };
   }
 
   /// The hand rests at the middle of the free end of the block.
