@@ -453,7 +453,7 @@ def test_roof_without_a_factor():
 
 def test_column_without_a_factor():
     """Compressed beyond where its path branches it is never called stable where a factor says
-    otherwise. On which branch it is there, rounding decides."""
+    otherwise, and gives way to the side, where the energy is less."""
     length = 7.2
     column = produce(box_body((12, 1, 1), (length, 1, 1)))
     boundary = SetBoundary(Input=AssignMaterial(Input=column, Law="St. Venant-Kirchhoff",
@@ -461,7 +461,7 @@ def test_column_without_a_factor():
                            FixedRegion="Plane")
     boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 0], [1, 0, 0]
     node = node_at(boundary, [length, 0.5, 0.5])
-    num_unstable = 0
+    num_beside = 0
     for strain in (0.03, 0.05, 0.06, 0.08, 0.1, 0.2):
         alone, with_factor = both_ways(boundary, node, [-strain * length, 0, 0], TipRadius=0.75)
         flags, exact = (field(grid, "Flags")[0] & UNSTABLE for grid in (alone, with_factor))
@@ -469,8 +469,12 @@ def test_column_without_a_factor():
         same = numpy.allclose(*forces, rtol=1e-7, atol=1e-7 * numpy.abs(forces[1]).max())
         assert same or strain > 0.055, strain
         assert not same or flags == exact, strain
-        num_unstable += flags != 0
-    assert num_unstable > 0
+        # Far beyond it there are more branches than these two.
+        if not same and exact and strain < 0.15:
+            energies = [field(grid, "Energy")[0] for grid in (alone, with_factor)]
+            assert energies[0] < energies[1], (strain, energies)
+            num_beside += 1
+    assert num_beside > 0
 
 
 def unfinished(boundary, prepare=None, **settings):
