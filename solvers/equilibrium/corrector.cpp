@@ -84,14 +84,15 @@ bool accept_by_residual(const CondensedSystem& system, const Iterate& old, const
          (1 - kSufficientDecrease * length) * system.euclidean_norm(old.r);
 }
 
-/// Line search: moves along `step` until a trial is good enough. A trial costs far less than the
-/// next step. So if a longer one was too long, as where the tool reaches further points, the least
-/// energy between the two is searched for.
+/// Line search: moves along `step` until a trial is good enough. Without a factor a trial costs far
+/// less than the next step. So if a longer one was too long there, as where the tool reaches
+/// further points, the least energy between the two is searched for.
 /// @returns the accepted length of the step; 0: none was accepted.
 double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::VectorXd& step,
               double slope, Iterate& iterate) {
   const NodalVector direction = system.as_state(step);
   const bool by_residual = system.is_saddle();
+  const bool is_iterative = system.is_iterative();
   const Iterate old = iterate;
   Iterate trial;
   double length = 1;
@@ -121,12 +122,17 @@ double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::Ve
       continue;
     }
     if (low.length > 0) return low.length;
-    if (is_finite && !by_residual) {
+    if (!is_finite || by_residual) {
+      length *= is_finite || (is_iterative && i < kHalvedTrials) ? 0.5 : 0.25;
+    } else if (is_iterative) {
       high = here;
       length = std::min(between(low, here), 0.5 * length);
     } else {
-      high.reset();
-      length *= is_finite || i < kHalvedTrials ? 0.5 : 0.25;
+      // With a factor a step costs little more than a trial: the minimum of the parabola through
+      // the energy, its slope and the trial energy will do.
+      const double change = trial.energy - old.energy;
+      const double best = -slope * length * length / (2 * (change - slope * length));
+      length = std::clamp(best, 0.1 * length, 0.5 * length);
     }
   }
   return low.length;
