@@ -558,8 +558,7 @@ Configuration Engine::make(const Batch& batch, const Target& target) {
                               batch.has_start() ? batch.start.check_point : target.check_point,
                               batch.start.level};
   Configuration found =
-      make_configuration(solver_, setup, transition,
-                         batch.has_start() ? batch.state.get() : nullptr, target.level, tangent);
+      make_configuration(solver_, setup, transition, batch.state.get(), target.level, tangent);
   found.iterations += target.iterations;
   found.seconds += target.seconds;
   return found;

@@ -93,11 +93,12 @@ class Service {
     heard_ = SteadyClock::now();
     switch (message.kind) {
       case WireKind::job:
-        if (message.job == job_ && explorer_ != nullptr && task_ == 0) {
+        if (message.job == job_ && explorer_ != nullptr && !work_.valid()) {
           answer_ = WireMessage{WireKind::ready, job_, {}};
+          task_ = 0;
           return;
         }
-        if (message.job == job_ && is_preparing_) return;
+        if (message.job == job_ && is_preparing()) return;
         pending_ = message;
         is_dropped_ = true;
         return;
@@ -113,13 +114,14 @@ class Service {
     }
   }
 
+  /// Whether the thread makes the explorer of the job.
+  [[nodiscard]] bool is_preparing() const { return work_.valid() && explorer_ == nullptr; }
+
   /// Takes what the thread has done.
   void finish() {
     if (!work_.valid()) return;
     if (work_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
     Done done = work_.get();
-    task_ = 0;
-    is_preparing_ = false;
     if (done.explorer != nullptr) explorer_ = std::move(done.explorer);
     if (!pending_) answer_ = std::move(done.answer);
   }
@@ -129,12 +131,12 @@ class Service {
     if (!pending_ || work_.valid()) return;
     const WireMessage asked = *std::exchange(pending_, std::nullopt);
     answer_.reset();
+    task_ = 0;
     is_dropped_ = false;
     if (asked.kind == WireKind::job) {
       job_ = asked.job;
       explorer_.reset();
       if (asked.bytes.empty()) return;
-      is_preparing_ = true;
       work_ = std::async(std::launch::async, [this, asked] { return prepare(asked); });
     } else if (explorer_ != nullptr) {
       try {
@@ -161,13 +163,13 @@ class Service {
 
   /// Sends the answer that is due, and a sign of life.
   void answer() {
-    if (answer_ && send(socket_.get(), *answer_) == Sent::yes) answer_.reset();
+    if (answer_ && send(socket_.get(), *answer_) == Sent::yes) {
+      answer_.reset();
+      task_ = 0;
+    }
     if (seconds_since(said_) < kBetweenSigns) return;
     said_ = SteadyClock::now();
-    // A result that waits is still being worked on, as the hub sees it.
-    const std::int64_t task =
-        answer_ && answer_->kind == WireKind::result ? unpack_result(answer_->bytes).number : task_;
-    send(socket_.get(), {WireKind::alive, job_, bytes_of(task)});
+    send(socket_.get(), {WireKind::alive, job_, bytes_of(task_)});
   }
 
   void require_admission() {
@@ -182,10 +184,10 @@ class Service {
   /// Tells whether the key of this explorer is refused.
   Actor watch_;
   Poller poller_;
-  /// The number of the job that the explorer is of, and of the task that is being made; 0: none.
+  /// The number of the job that the explorer is of, and of the task that is being made or whose
+  /// result waits to be sent; 0: none.
   std::int64_t job_ = 0;
   std::int64_t task_ = 0;
-  bool is_preparing_ = false;
   /// Whether what the thread does is not wanted any more.
   std::atomic<bool> is_dropped_{false};
   std::unique_ptr<Explorer> explorer_;

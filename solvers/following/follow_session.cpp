@@ -32,12 +32,9 @@ void require_followable(const PrecomputeOptions& options) {
 /// @throws InputError no touchable point of the surface is in the region.
 void require_something_to_press(const SpaceBody& body, const ShellOptions& shell) {
   const Body& of = body.scene->body;
-  const Eigen::Index loaded = body.at_rest.u.size();
   for (Index p = 0; p < of.mesh.num_points(); ++p) {
     if (of.touchable[static_cast<std::size_t>(p)] == 0) continue;
-    Vec3 place = of.mesh.points[static_cast<std::size_t>(p)];
-    if (loaded > 0) place += body.at_rest.u.segment<3>(3 * Eigen::Index{p});
-    if (!shell.region || shell.region(place)) return;
+    if (!shell.region || shell.region(place_at_rest(of.mesh, body.at_rest, p))) return;
   }
   throw_nothing_to_press();
 }
@@ -89,8 +86,7 @@ FollowSession::Impl::Impl(std::shared_ptr<const Scene> scene, const PrecomputeOp
     body.at_rest = settle(*body.scene, solver, options.file, *communicator);
   }
   RigidTool& tool = options.contact->tool;
-  tool = has_earlier_layer(*body.scene, options) ? with_earlier_layer(tool, *body.scene)
-                                                 : with_defaults(tool, *body.scene);
+  if (has_earlier_layer(*body.scene, options)) tool = with_earlier_layer(tool, *body.scene);
   require_something_to_press(body, options.contact->shell);
   tools = std::make_unique<InteractionFactory>(body.scene->body, body.at_rest);
   job.scene = body.scene;

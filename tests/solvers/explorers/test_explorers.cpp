@@ -63,28 +63,24 @@ class ExplorersTest : public testing::Test {
     return true;
   }
   [[nodiscard]] bool is_done() const { return session_->figures().is_complete; }
-  [[nodiscard]] std::map<CheckPoint, ConfigurationSummary> found() {
-    std::map<CheckPoint, ConfigurationSummary> found;
-    while (const auto chunk = session_->take_chunk()) {
-      for (const auto& of_space : chunk->tool_spaces) {
-        for (const auto& c : of_space.configurations) found[c.check_point] = c;
-      }
-    }
-    return found;
-  }
-  /// What an explorer in this process finds.
-  [[nodiscard]] std::map<CheckPoint, ConfigurationSummary> found_here() const {
-    FollowSession session(ball_.scene, ball_.options);
-    session.follow(ball_.hand());
-    Explorer explorer(session.job());
-    while (const auto task = session.next()) EXPECT_TRUE(session.accept(explorer.make(*task)));
-    std::map<CheckPoint, ConfigurationSummary> found;
+  using Found = std::map<CheckPoint, ConfigurationSummary>;
+  [[nodiscard]] static Found found_by(FollowSession& session) {
+    Found found;
     while (const auto chunk = session.take_chunk()) {
       for (const auto& of_space : chunk->tool_spaces) {
         for (const auto& c : of_space.configurations) found[c.check_point] = c;
       }
     }
     return found;
+  }
+  [[nodiscard]] Found found() { return found_by(*session_); }
+  /// What an explorer in this process finds.
+  [[nodiscard]] Found found_here() const {
+    FollowSession session(ball_.scene, ball_.options);
+    session.follow(ball_.hand());
+    Explorer explorer(session.job());
+    while (const auto task = session.next()) EXPECT_TRUE(session.accept(explorer.make(*task)));
+    return found_by(session);
   }
   /// The explorers that run. MPI may have started a process of its own besides.
   [[nodiscard]] std::vector<pid_t> processes() const {
