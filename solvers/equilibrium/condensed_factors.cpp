@@ -213,23 +213,23 @@ void CondensedSystem::solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> c
 
 SolveSummary CondensedSystem::solve(const CondensedTangent& tangent,
                                     Eigen::Ref<Eigen::MatrixXd> columns, double tolerance) {
-  const Timer timer(work_.solve_seconds);
-  work_.right_hand_sides += columns.cols();
-  if (!krylov_->has(tangent.values)) krylov_->take(tangent.values);
-  SolveSummary summary = krylov_->solve(columns, tolerance);
-  work_.krylov_iterations += summary.iterations;
-  constraints_.project(columns);
-  return summary;
+  return iterate(tangent, columns, tolerance, &KrylovTangent::solve);
 }
 
 SolveSummary CondensedSystem::descend(const CondensedTangent& tangent,
                                       Eigen::Ref<Eigen::MatrixXd> column, double tolerance) {
+  return iterate(tangent, column, tolerance, &KrylovTangent::descend);
+}
+
+SolveSummary CondensedSystem::iterate(
+    const CondensedTangent& tangent, Eigen::Ref<Eigen::MatrixXd> columns, double tolerance,
+    SolveSummary (KrylovTangent::*way)(Eigen::Ref<Eigen::MatrixXd>, double)) {
   const Timer timer(work_.solve_seconds);
-  ++work_.right_hand_sides;
+  work_.right_hand_sides += columns.cols();
   if (!krylov_->has(tangent.values)) krylov_->take(tangent.values);
-  SolveSummary summary = krylov_->descend(column, tolerance);
+  const SolveSummary summary = (krylov_.get()->*way)(columns, tolerance);
   work_.krylov_iterations += summary.iterations;
-  constraints_.project(column);
+  constraints_.project(columns);
   return summary;
 }
 

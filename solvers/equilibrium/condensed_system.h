@@ -215,6 +215,11 @@ class CondensedSystem {
   [[nodiscard]] double condition(const CondensedTangent& tangent, TangentFactor& factor) const;
 
  private:
+  /// Solves by iteration in one of the ways of KrylovTangent.
+  [[nodiscard]] SolveSummary iterate(const CondensedTangent& tangent,
+                                     Eigen::Ref<Eigen::MatrixXd> columns, double tolerance,
+                                     SolveSummary (KrylovTangent::*way)(Eigen::Ref<Eigen::MatrixXd>,
+                                                                        double));
   /// Entries of coordinate_of_unknown_ that do not stand for a coordinate.
   static constexpr Index kFree = -1;
   static constexpr Index kIdle = -2;

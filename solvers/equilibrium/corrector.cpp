@@ -62,7 +62,7 @@ double between(const OnLine& low, const OnLine& high) {
   const double root = std::sqrt(std::max(0.0, d * d - low.slope * high.slope));
   const double share = 1 - (high.slope + root - d) / (high.slope - low.slope + 2 * root);
   constexpr double kMargin = 0.1;
-  // Where the energy is not finite, so is not the share.
+  // Of a slope that does not change, there is no share.
   return low.length + way * (share > kMargin ? std::min(share, 1 - kMargin) : kMargin);
 }
 
@@ -116,7 +116,7 @@ double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::Ve
     if (accepted) {
       std::swap(iterate, trial);
       low = here;
-      const bool may_gain = high && !by_residual && low.slope < kStillSteep * slope;
+      const bool may_gain = high && low.slope < kStillSteep * slope;
       if (!may_gain || ++refinements > kMostRefinements) return low.length;
       length = between(low, *high);
       continue;

@@ -66,11 +66,6 @@ Scene hold_most(const Scene& scene) {
   return part;
 }
 
-std::unique_ptr<LinearSolver> make_solver(const Scene& scene, const std::string& name,
-                                          int threads) {
-  return name.empty() ? choose_tangent_solver(scene, threads) : make_tangent_solver(name);
-}
-
 void measure_factor(const Scene& scene, const Assembly& body, LinearSolver& whole,
                     SolveCost& cost) {
   whole.analyse(body.pattern());
@@ -118,7 +113,8 @@ SolveCost measure_solve_cost(const Scene& scene, const std::string& linear_solve
   cost.assembly_seconds = least_seconds([&] { body.tangent(rest, force, values); });
   cost.body_bytes = kBytesOfUnknown * static_cast<double>(cost.num_unknowns);
   if (cost.num_unknowns == 0) return cost;
-  if (const std::unique_ptr<LinearSolver> whole = make_solver(scene, linear_solver, threads)) {
+  if (const std::unique_ptr<LinearSolver> whole =
+          make_tangent_solver(linear_solver, scene, threads)) {
     measure_factor(scene, body, *whole, cost);
   } else {
     const std::unique_ptr<Team> team = make_thread_team(threads);

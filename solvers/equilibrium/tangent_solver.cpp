@@ -64,4 +64,9 @@ std::unique_ptr<LinearSolver> choose_tangent_solver(const Scene& scene, int thre
   return is_well ? nullptr : make_linear_solver();
 }
 
+std::unique_ptr<LinearSolver> make_tangent_solver(const std::string& name, const Scene& scene,
+                                                  int threads) {
+  return name.empty() ? choose_tangent_solver(scene, threads) : make_tangent_solver(name);
+}
+
 }  // namespace palpate

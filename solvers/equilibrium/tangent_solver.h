@@ -28,6 +28,12 @@ inline constexpr long kUnknownsWithoutFactor = 10'000;
 /// @throws InputError there is no solver of that name.
 [[nodiscard]] std::unique_ptr<LinearSolver> make_tangent_solver(const std::string& name);
 
+/// The solver of that name or, if the name is empty, the one that suits the body, see
+/// choose_tangent_solver().
+[[nodiscard]] std::unique_ptr<LinearSolver> make_tangent_solver(const std::string& name,
+                                                                const Scene& scene,
+                                                                int threads = 0);
+
 /// The number of displacement components of the free points.
 [[nodiscard]] long count_unknowns(const Scene& scene);
 

@@ -48,7 +48,7 @@ void validate_ranks_per_solve(const PrecomputeOptions& options, int num_ranks) {
 
 ExplorationSession::MakeSolver solver_maker(const PrecomputeOptions& options) {
   return [name = options.linear_solver, threads = options.equilibrium.threads](const Scene& scene) {
-    return name.empty() ? choose_tangent_solver(scene, threads) : make_tangent_solver(name);
+    return make_tangent_solver(name, scene, threads);
   };
 }
 

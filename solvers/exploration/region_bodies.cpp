@@ -234,11 +234,9 @@ class Toucher {
     equilibrium.tolerance = std::max(equilibrium.tolerance, kSolverTolerance);
     equilibrium.third_derivatives = false;
     equilibrium.follow_folds = false;
-    const auto linear = [&] {
-      return options_.linear_solver.empty() ? choose_tangent_solver(scene, equilibrium.threads)
-                                            : make_tangent_solver(options_.linear_solver);
-    };
-    EquilibriumSolver solver(scene, equilibrium, linear());
+    EquilibriumSolver solver(
+        scene, equilibrium,
+        make_tangent_solver(options_.linear_solver, scene, equilibrium.threads));
     SpaceBody body;
     body.scene = std::shared_ptr<const Scene>(std::shared_ptr<void>(), &scene);
     if (scene.has_load()) {

@@ -27,11 +27,6 @@ PrecomputeOptions options_of(const ExplorerJob& job) {
   return options;
 }
 
-std::unique_ptr<LinearSolver> linear_solver_of(const ExplorerJob& job) {
-  return job.linear_solver.empty() ? choose_tangent_solver(*job.scene, 1)
-                                   : make_tangent_solver(job.linear_solver);
-}
-
 EquilibriumOptions solver_options(const ExplorerJob& job, std::function<bool()> abort_requested) {
   EquilibriumOptions options = exploring(options_of(job));
   options.abort_requested = std::move(abort_requested);
@@ -71,7 +66,8 @@ struct Explorer::Impl {
   Impl(const ExplorerJob& job, std::function<bool()> abort_requested)
       : setup(job.setup),
         body(body_of(job)),
-        solver(*job.scene, solver_options(job, std::move(abort_requested)), linear_solver_of(job)),
+        solver(*job.scene, solver_options(job, std::move(abort_requested)),
+               make_tangent_solver(job.linear_solver, *job.scene, 1)),
         tools(body.scene->body, body.at_rest),
         states(body, solver, tools, job.estimate_mesh_error) {}
 

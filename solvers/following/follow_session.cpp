@@ -80,9 +80,7 @@ FollowSession::Impl::Impl(std::shared_ptr<const Scene> scene, const PrecomputeOp
   body.hash = hash(*body.scene);
   if (body.scene->has_load()) {
     const EquilibriumSolver solver(*body.scene, exploring(options),
-                                   options.linear_solver.empty()
-                                       ? choose_tangent_solver(*body.scene)
-                                       : make_tangent_solver(options.linear_solver));
+                                   make_tangent_solver(options.linear_solver, *body.scene));
     body.at_rest = settle(*body.scene, solver, options.file, *communicator);
   }
   RigidTool& tool = options.contact->tool;
