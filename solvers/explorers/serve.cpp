@@ -95,6 +95,8 @@ class Service {
       case WireKind::job:
         if (message.job == job_ && explorer_ != nullptr && !work_.valid()) {
           answer_ = WireMessage{WireKind::ready, job_, {}};
+          // A task that came just before belongs to the job as it was given then.
+          pending_.reset();
           task_ = 0;
           return;
         }

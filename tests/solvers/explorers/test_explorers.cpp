@@ -267,6 +267,44 @@ TEST_F(ExplorersTest, OneThatIsAdmittedAndSendsNonsenseHarmsNobody) {
   EXPECT_EQ(found().size(), found_here().size());
 }
 
+TEST_F(ExplorersTest, AJobThatComesAgainRightAfterATaskIsAnswered) {
+  session_ = std::make_unique<FollowSession>(ball_.scene, ball_.options);
+  session_->follow(ball_.hand());
+  // A leader of its own, which sends what a hub sends after two greetings.
+  const Certificate key(zcert_load(leader_key(folder_.path()).c_str()));
+  const Socket socket(zsock_new(ZMQ_ROUTER));
+  zcert_apply(key.get(), socket.get());
+  zsock_set_curve_server(socket.get(), 1);
+  zsock_set_linger(socket.get(), 0);
+  const int port = zsock_bind(socket.get(), "tcp://127.0.0.1:*");
+  ASSERT_GT(port, 0);
+  const LocalExplorers explorers(PALPATE_EXPLORE, 1, folder_.path(),
+                                 "tcp://127.0.0.1:" + std::to_string(port));
+  std::string from;
+  const auto receives = [&](WireKind kind) {
+    const auto begin = SteadyClock::now();
+    while (seconds_since(begin) < kPatience / 4) {
+      bool is_garbage = false;
+      const auto message = receive(socket.get(), is_garbage, &from);
+      if (message && message->kind == kind) return true;
+      if (!message) usleep(1000);
+    }
+    return false;
+  };
+  ASSERT_TRUE(receives(WireKind::alive));
+  const WireMessage job{WireKind::job, 7, pack(session_->job())};
+  send(socket.get(), job, &from);
+  ASSERT_TRUE(receives(WireKind::ready));
+  for (int i = 0; i < 20; ++i) {
+    const auto task = session_->next();
+    ASSERT_TRUE(task);
+    session_->lose(task->number);
+    send(socket.get(), {WireKind::task, 7, pack(*task)}, &from);
+    send(socket.get(), job, &from);
+    ASSERT_TRUE(receives(WireKind::ready)) << i;
+  }
+}
+
 TEST_F(ExplorersTest, ThereIsOneHubInAProgramAndAnAddressMayBeTaken) {
   EXPECT_THROW(ExplorerHub(folder_.path(), kHere), BackendError);
   const std::string taken = hub_->endpoint();
