@@ -262,8 +262,13 @@ def check_forces(require, records, body):
     headers = {tuple(values[5:]) for values in records.lines["out"]}
     require(headers == {("3", "10")}, f"number and size of force reports: {headers}")
 
-    # Zero is right while nothing fresh comes, as the last word, and before the first report.
-    stale = [Span(faults[name].begin + STALE_AFTER - TICK, faults[name].end + SOON)
+    # Zero is right while nothing fresh comes, as the last word, and before the first report. The
+    # loop counts the age of a report from when it last read nothing, which was up to a tick before
+    # the board sent it.
+    sent_at = [s.time for s in records.whole]
+    newest = {name: sent_at[bisect.bisect_right(sent_at, faults[name].begin) - 1]
+              for name in RELEASING}
+    stale = [Span(newest[name] + STALE_AFTER - TICK, faults[name].end + SOON)
              for name in RELEASING]
     last = {session.of(forces)[-1] for session in records.sessions}
     unmatched = [(f, e) for f, e in zip(forces, expected_forces(records, body))
@@ -272,7 +277,6 @@ def check_forces(require, records, body):
     require(not unmatched, f"unmatched forces: {len(unmatched)} of {len(forces)} {unmatched[:3]}")
 
     after_pause = Span(faults["host_pause"].begin, faults["host_pause"].end + 2 * TICK)
-    sent_at = [s.time for s in records.whole]
     behind = [(records.whole[newest - 1].counter - f.counter) % 0x10000 for f, newest in
               ((f, bisect.bisect_right(sent_at, f.time)) for f in forces)
               if newest > 0 and f.time not in after_pause]
