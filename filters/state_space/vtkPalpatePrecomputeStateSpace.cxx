@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "exploration/precompute.h"
 #include "exploration/region_bodies.h"
+#include "following/begin_following.h"
 #include "storage/state_space_file.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -25,6 +26,7 @@
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateFollowing.h"
 #include "vtkPalpateGrowth.h"
 #include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
@@ -400,6 +402,60 @@ void vtkPalpatePrecomputeStateSpace::WarnOf(const std::vector<palpate::RegionMes
   vtkPalpateWarn(this, text.str());
 }
 
+void vtkPalpatePrecomputeStateSpace::BeginFollowing(std::shared_ptr<const palpate::Scene> scene,
+  const palpate::PrecomputeOptions& options, palpate::Communicator& communicator,
+  vtkPartitionedDataSetCollection* output)
+{
+  constexpr const char* orWhole = ", or set Exploration to Whole Space.";
+  if (!options.contact || !options.active_nodes.empty())
+  {
+    throw palpate::InputError(
+      std::string("A space is explored around the hand for a rigid tool alone. Choose one as Tool "
+                  "and set Graspable to 0") +
+      orWhole);
+  }
+  if (this->MeshTolerance > 0)
+  {
+    throw palpate::InputError(
+      std::string("Meshes of regions are made before the body is touched. Set MeshTolerance to 0") +
+      orWhole);
+  }
+  if (this->FileName.empty())
+  {
+    throw palpate::InputError(
+      std::string("What is found around the hand is kept in a file. Set FileName") + orWhole);
+  }
+  if (vtkPalpateFindLiveSpace(this->FileName))
+  {
+    throw palpate::InputError(
+      "This space is being touched and explored. Stop touching, and press Apply again.");
+  }
+  palpate::agree(communicator,
+    [&]
+    {
+      if (communicator.rank() != 0)
+      {
+        return;
+      }
+      palpate::BegunSpace begun = palpate::begin_following(scene, options,
+        [this]
+        {
+          this->UpdateProgress(0);
+          return this->GetAbortExecute() != 0;
+        });
+      vtkPalpateFillCollection({ begun.body }, std::move(begun.space), output);
+      for (const auto& configurations : vtkPalpateConfigurations(output))
+      {
+        vtkPalpateAddFile(this->FileName, false, configurations->GetFieldData());
+        output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
+      }
+      auto following = std::make_shared<vtkPalpateFollowing>();
+      following->Scene = std::move(scene);
+      following->Options = options;
+      this->Following = std::move(following);
+    });
+}
+
 int vtkPalpatePrecomputeStateSpace::FillOutputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkPartitionedDataSetCollection");
@@ -412,6 +468,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   // Nobody else resets the abort of an earlier run.
   this->SetAbortExecute(0);
+  this->Following.reset();
   const bool goesOn = vtkPalpateStopGrowing(this);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   const auto compute = [&](palpate::Communicator& communicator)
@@ -435,6 +492,13 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
 
     palpate::PrecomputeOptions options =
       this->Options(vtkPalpateInput<vtkPolyData>(inputVector[SurfacePort]), controller);
+    if (this->Exploration == AROUND_THE_HAND)
+    {
+      this->LastOf.clear();
+      this->Kept.reset();
+      this->BeginFollowing(scene, options, communicator, output);
+      return;
+    }
     if (!goesOn)
     {
       // For a space that goes on growing, this was reported before.
@@ -568,6 +632,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "Graspable: " << this->Graspable << '\n'
+     << indent << "Exploration: " << this->Exploration << '\n'
      << indent << "UseToolRegion: " << this->UseToolRegion << '\n'
      << indent << "ToolRegion: " << this->ToolRegion.Get() << '\n'
      << indent << "Depth: " << this->Depth << '\n'

@@ -53,6 +53,8 @@ class vtkImplicitFunction;
 class vtkMultiProcessController;
 class vtkPolyData;
 
+struct vtkPalpateFollowing;
+
 namespace palpate
 {
 struct BodyOfRun;
@@ -75,6 +77,17 @@ public:
   vtkSetMacro(Graspable, bool);
   vtkGetMacro(Graspable, bool);
   vtkBooleanMacro(Graspable, bool);
+  ///@}
+  enum Explorations : int
+  {
+    WHOLE_SPACE = 0,
+    AROUND_THE_HAND = 1
+  };
+  ///@{
+  /// What is explored here: the whole space, or nothing but a first configuration, since the rest
+  /// is explored around the hand while the body is touched. Needs a rigid tool and a FileName.
+  vtkSetClampMacro(Exploration, int, WHOLE_SPACE, AROUND_THE_HAND);
+  vtkGetMacro(Exploration, int);
   ///@}
   ///@{
   /// Where a rigid tool is to press: the places of the surface at rest in which this is not
@@ -244,6 +257,12 @@ public:
   vtkGetCharFromStdStringMacro(Estimate);
   ///@}
 
+  /// What the exploration around a hand needs, as of the last execution; null: it is not asked for.
+  [[nodiscard]] std::shared_ptr<const vtkPalpateFollowing> GetFollowing() const
+  {
+    return this->Following;
+  }
+
   /// Whether the space will grow further. Then the next update continues its exploration, on all
   /// ranks. ParaView's window asks rank 0 now and then (the hint LiveSource).
   bool GetNeedsUpdate();
@@ -271,8 +290,13 @@ private:
   std::vector<palpate::BodyOfRun> BodiesOfRun(const std::shared_ptr<const palpate::Scene>& scene,
     const palpate::PrecomputeOptions& options, palpate::Communicator& communicator);
   void WarnOf(const std::vector<palpate::RegionMesh>& meshes);
+  /// Gives what there is of a space that is explored around a hand. @note Collective.
+  void BeginFollowing(std::shared_ptr<const palpate::Scene> scene,
+    const palpate::PrecomputeOptions& options, palpate::Communicator& communicator,
+    vtkPartitionedDataSetCollection* output);
 
   bool Graspable = false;
+  int Exploration = WHOLE_SPACE;
   bool UseToolRegion = false;
   vtkSmartPointer<vtkImplicitFunction> ToolRegion;
   double Depth = 0.005;
@@ -304,6 +328,7 @@ private:
 
   std::string Estimate;
   vtkPalpateSolveCost Cost;
+  std::shared_ptr<const vtkPalpateFollowing> Following;
 
   /// The time at which the last execution ended.
   std::chrono::steady_clock::time_point LastEnd;

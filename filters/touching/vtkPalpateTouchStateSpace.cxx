@@ -34,6 +34,7 @@
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateDisplaySurface.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateFollowing.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStateSpace.h"
@@ -158,16 +159,11 @@ Eigen::VectorXf BySurfaceModes(
 /// The parts of a body that need more than the surface.
 struct WholeBodyOf
 {
-  /// @param first The first body of the space.
+  /// @param bodies The first body of the space, and the one that is meant where it is another.
   /// @param toolSpace The tool space on this body whose tool presses; null: there is none.
-  WholeBodyOf(const palpate::FieldCache& fields, const palpate::SpaceBody& first,
-    palpate::BodyId body, const TouchToolSpace* toolSpace)
+  WholeBodyOf(std::vector<palpate::SpaceBody> bodies, const TouchToolSpace* toolSpace)
+    : Bodies(std::move(bodies))
   {
-    this->Bodies.push_back(first);
-    if (body != palpate::kFirstBody)
-    {
-      this->Bodies.push_back(fields.read_body(body));
-    }
     if (toolSpace)
     {
       this->Contact.emplace(
@@ -269,9 +265,86 @@ struct vtkPalpateTouchStateSpace::Prepared
   /// The whole bodies and their fields, as long as they are asked for.
   std::unique_ptr<palpate::FieldCache> Fields;
   std::optional<palpate::SpaceBody> FirstBody;
+  /// The space while it is explored around a hand, in this execution and in the last one, with what
+  /// was found when it was last asked; null: the input has all. Its field of the whole body is made
+  /// when it is first needed.
+  std::shared_ptr<palpate::LiveSpace> Live;
+  std::weak_ptr<palpate::LiveSpace> LastLive;
+  palpate::LiveSpace::State Found;
+  std::unique_ptr<palpate::BodyField> LiveField;
   std::map<palpate::BodyId, WholeBodyOf> WholeBodies;
   /// The reason why there is no whole body, as it was reported.
   std::string Problem;
+
+  /// Looks whether the space is explored now, and what was found.
+  void FollowExploration()
+  {
+    this->Live = vtkPalpateFindLiveSpace(this->Space.file);
+    if (this->Live != this->LastLive.lock())
+    {
+      this->ForgetWholeBodies();
+      this->LastLive = this->Live;
+      this->Found = {};
+      this->LiveField.reset();
+    }
+    if (!this->Live)
+    {
+      this->Found = {};
+      return;
+    }
+    const std::int64_t before = this->Found.number;
+    this->Found = this->Live->newest();
+    if (this->Found.number != before)
+    {
+      this->LiveField.reset();
+    }
+  }
+  void ForgetWholeBodies()
+  {
+    this->WholeBodies.clear();
+    this->FirstBody.reset();
+    this->Fields.reset();
+  }
+  /// Where the fields of configurations come from.
+  /// @throws InputError there is no file.
+  palpate::FieldSource& FieldsOfSpace()
+  {
+    if (this->Live)
+    {
+      return this->Live->fields();
+    }
+    if (this->Space.file.empty())
+    {
+      throw palpate::InputError("Stress, the whole body and what a rigid tool does to the surface "
+                                "need the displacement of every point, which is kept in a file "
+                                "alone: give Precompute State Space a FileName.");
+    }
+    if (!this->Fields)
+    {
+      this->Fields = std::make_unique<palpate::FieldCache>(this->Space.file, this->Space.scene_hash);
+    }
+    return *this->Fields;
+  }
+  WholeBodyOf& FindWholeBody(palpate::BodyId body)
+  {
+    const auto known = this->WholeBodies.find(body);
+    if (known != this->WholeBodies.end())
+    {
+      return known->second;
+    }
+    if (!this->FirstBody)
+    {
+      this->FirstBody =
+        this->Live ? this->Live->body() : this->Fields->read_body(palpate::kFirstBody);
+    }
+    std::vector<palpate::SpaceBody> bodies{ *this->FirstBody };
+    if (body != palpate::kFirstBody)
+    {
+      bodies.push_back(this->Fields->read_body(body));
+    }
+    const TouchToolSpace* pressing = this->Space.find({ palpate::kContactToolSpace, body });
+    return this->WholeBodies.try_emplace(body, std::move(bodies), pressing).first->second;
+  }
 
   /// The branch that the body is on when the node has come to t.
   /// @param start Where it came from, in a straight line.
@@ -361,6 +434,13 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
     parts.push_back({ &toolSpace, 1, interpolator.get(), &branch.BodyField, nullptr });
     return parts;
   }
+  if (cache.Found.force)
+  {
+    touch = cache.Found.force->evaluate(t);
+    parts.push_back({ cache.Found.tool_space.get(), 1, &cache.Found.force->part(0),
+      &cache.LiveField, nullptr });
+    return parts;
+  }
   const std::vector<const TouchToolSpace*> pressing = cache.Space.list_pressing();
   auto& force = cache.RigidForces[how];
   if (!force)
@@ -396,29 +476,8 @@ void vtkPalpateTouchStateSpace::FindWholeBody(Part& part, const double t[3])
       setup.name() + " is on another one. Turn Stress off" +
       (setup.region ? "." : ", or set BodyNumber to 1."));
   }
-  if (!cache.Fields)
-  {
-    if (cache.Space.file.empty())
-    {
-      throw palpate::InputError("Stress, the whole body and what a rigid tool does to the surface "
-                                "need the displacement of every point, which is kept in a file "
-                                "alone: give Precompute State Space a FileName.");
-    }
-    cache.Fields = std::make_unique<palpate::FieldCache>(cache.Space.file, cache.Space.scene_hash);
-  }
-  auto known = cache.WholeBodies.find(setup.body);
-  if (known == cache.WholeBodies.end())
-  {
-    const TouchToolSpace* pressing = cache.Space.find({ palpate::kContactToolSpace, setup.body });
-    if (!cache.FirstBody)
-    {
-      cache.FirstBody = cache.Fields->read_body(palpate::kFirstBody);
-    }
-    known = cache.WholeBodies
-              .try_emplace(setup.body, *cache.Fields, *cache.FirstBody, setup.body, pressing)
-              .first;
-  }
-  part.Whole = &known->second;
+  palpate::FieldSource& fields = cache.FieldsOfSpace();
+  part.Whole = &cache.FindWholeBody(setup.body);
   WholeBodyOf& whole = *part.Whole;
   auto& field = *part.Field;
   if (!field)
@@ -430,7 +489,7 @@ void vtkPalpateTouchStateSpace::FindWholeBody(Part& part, const double t[3])
   const palpate::Keep needed = this->WholeBody ? palpate::Keep::all
     : this->Stress                             ? palpate::Keep::surface
                                                : palpate::Keep::touch;
-  field->evaluate(palpate::Vec3(t), *cache.Fields, needed, whole.Displacement, whole.Pressure);
+  field->evaluate(palpate::Vec3(t), fields, needed, whole.Displacement, whole.Pressure);
   if (whole.Displacement.size() == 0)
   {
     whole.Displacement.setZero(3 * static_cast<Eigen::Index>(whole.Body().mesh().num_points()));
@@ -564,6 +623,13 @@ int vtkPalpateTouchStateSpace::RequestData(
 
 bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* wholeBody)
 {
+  this->Cache->FollowExploration();
+  // Whoever explores ends that when it likes.
+  struct LetGo
+  {
+    ~LetGo() { this->Of.Live.reset(); }
+    Prepared& Of;
+  } const letGo{ *this->Cache };
   const TouchSpace& space = this->Cache->Space;
   const TouchToolSpace& toolSpace = SiteOf(space, this->ActiveNode, this->BodyNumber);
   const bool presses = toolSpace.setup.presses();
@@ -577,9 +643,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   std::string problem;
   if (!needsBody)
   {
-    this->Cache->WholeBodies.clear();
-    this->Cache->FirstBody.reset();
-    this->Cache->Fields.reset();
+    this->Cache->ForgetWholeBodies();
   }
   // Touching goes on without this part. As there are many frames a second, the failure is reported
   // once.

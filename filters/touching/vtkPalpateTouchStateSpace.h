@@ -46,6 +46,9 @@
  * end (Branch). The output depends on the input and on the properties alone, not on earlier
  * executions.
  *
+ * As long as the space is explored around a hand in this process, all that a rigid tool does comes
+ * from what was found so far, and not from the input; then Interpolation has no effect.
+ *
  * With a second input, a surface of the same organ, the first output is that surface, carried by
  * the body (mesh/surface_embedding.h): it has its own arrays, and those above, interpolated.
  *

@@ -101,7 +101,7 @@ void visit_columns(Record& record, Visit&& visit) {
 }
 
 /// The version of the recordings that are written.
-inline constexpr int kVersion = 4;
+inline constexpr int kVersion = 5;
 
 /// The name of the last column.
 inline constexpr std::string_view kSettings = "settings";
@@ -128,6 +128,7 @@ void visit_settings(Record& record, Visit&& visit) {
   visit(Name{"reach", "m"}, touch.reach);
   visit(Name{"coupling_stiffness", "N_per_m"}, touch.coupling_stiffness);
   visit(Name{"friction", {}, {}, 2}, touch.friction);
+  visit(Name{"grows", {}, {}, 5}, touch.grows);
 }
 
 /// Calls visit for each setting that stays as it is during a recording.

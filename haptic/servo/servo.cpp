@@ -69,8 +69,14 @@ struct Servo::Shared {
   std::atomic<bool> memory_locked{false};
   std::atomic<bool> body_locked{true};
   mutable std::mutex mutex;
-  /// Guarded by the mutex, which the loop never takes.
+  /// Guarded by the mutex, which the loop never takes, as is reading what the loop has sent.
   std::string problem;
+
+  /// What the loop has sent last. Any thread but the loop's may ask.
+  LoopOutbox::Newest newest() {
+    const std::lock_guard lock(mutex);
+    return outbox.newest.read();
+  }
 
   void be_realtime() {
     if (options.priority == 0) return;
@@ -180,7 +186,7 @@ void Servo::set_recording(std::shared_ptr<TickRing> ring) {
 const Specification& Servo::specification() const { return shared_->profile->specification(); }
 
 Tick Servo::latest() {
-  Tick tick = shared_->outbox.newest.read().tick;
+  Tick tick = shared_->newest().tick;
   if (!shared_->running) {
     tick.state = ServoState::closed;
   } else if (shared_->clock->now() - tick.time >
@@ -193,7 +199,7 @@ Tick Servo::latest() {
 
 Statistics Servo::statistics() {
   Statistics statistics;
-  static_cast<Counters&>(statistics) = shared_->outbox.newest.read().counters;
+  static_cast<Counters&>(statistics) = shared_->newest().counters;
   statistics.lateness = shared_->outbox.lateness.percentiles();
   statistics.interval = shared_->outbox.interval.percentiles();
   statistics.tick_time = shared_->outbox.tick_time.percentiles();
@@ -216,7 +222,7 @@ std::string Servo::problem() {
   add(shared_->transport->problem());
   const std::string why_off = why_motors_stay_off(*shared_->transport, specification());
   add(why_off);
-  const LoopOutbox::Newest& newest = shared_->outbox.newest.read();
+  const LoopOutbox::Newest newest = shared_->newest();
   const Counters& counters = newest.counters;
   if (shared_->running && why_off.empty()) add(why_tripped(newest.tick));
   if (newest.tick.contact.trust > kLargestTrusted) {

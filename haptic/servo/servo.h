@@ -53,7 +53,8 @@ class Servo {
   void host_lives() noexcept;
 
   /// Gives the loop what it touches from the next tick on, also while another is touched: a body
-  /// (make_touch()), or a tool of a reduced body (CoupledTool); nullptr: nothing.
+  /// (make_touch()), or a tool of a reduced body (CoupledTool); nullptr: nothing. Any thread may
+  /// call this, but not two at the same time.
   void set_touch(std::unique_ptr<Touch> touch);
   /// @throws InputError a value is out of range, or the device lacks what is required.
   void set_settings(const ServoSettings& settings);
@@ -63,7 +64,8 @@ class Servo {
   void set_recording(std::shared_ptr<TickRing> ring);
 
   [[nodiscard]] const Specification& specification() const;
-  /// The newest tick. Its state is `stale` while the thread hangs in the device's driver.
+  /// The newest tick. Its state is `stale` while the thread hangs in the device's driver. Any
+  /// thread may call this.
   [[nodiscard]] Tick latest();
   [[nodiscard]] Statistics statistics();
   /// What is wrong with the device, its clock, or the thread's priority, in words; empty: nothing.

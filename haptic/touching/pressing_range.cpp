@@ -58,7 +58,8 @@ double depth_in_body(const SurfaceTree& surface, const RigidTool& tool, const Ve
   return reach(tool, -nearest.normal) - nearest.distance;
 }
 
-StartPlace start_place(const TouchSpace& space, const Touchable& body) {
+StartPlace start_place(const TouchSpace& space, const Touchable& body,
+                       const std::vector<char>& pressable) {
   const TouchToolSpace* rigid = space.find_pressing();
   if (rigid == nullptr) {
     const TouchToolSpace& first = space.tool_spaces.front();
@@ -67,7 +68,6 @@ StartPlace start_place(const TouchSpace& space, const Touchable& body) {
   }
   const RigidTool& tool = rigid->setup.interaction.tool;
   const std::vector<Vec3>& points = space.surface.points;
-  const std::vector<char> pressable = pressable_points(space.surface, tool, *body.force_on_tool());
   Vec3 sum = Vec3::Zero();
   double number = 0;
   for (std::size_t p = 0; p < points.size(); ++p) {
@@ -90,6 +90,15 @@ StartPlace start_place(const TouchSpace& space, const Touchable& body) {
   }
   const Vec3 normal = point_normals(space.surface)[nearest];
   return {touching_place(tool, points[nearest], normal), normal, rigid->setup.depth()};
+}
+
+StartPlace start_place(const TouchSpace& space, const Touchable& body) {
+  const TouchToolSpace* rigid = space.find_pressing();
+  return start_place(
+      space, body,
+      rigid == nullptr
+          ? std::vector<char>()
+          : pressable_points(space.surface, rigid->setup.interaction.tool, *body.force_on_tool()));
 }
 
 }  // namespace palpate

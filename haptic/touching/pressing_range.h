@@ -47,7 +47,11 @@ struct StartPlace {
 /// The place from which to begin in a space: for a rigid tool the pressable place that is nearest
 /// to the middle of all of them; for other tools the first active node.
 /// @param body The body that was made of the space.
+/// @param pressable The points of the surface that the rigid tool can press, as
+///   pressable_points() has them.
 /// @throws InputError there is no place yet that the tool can press.
+[[nodiscard]] StartPlace start_place(const TouchSpace& space, const Touchable& body,
+                                     const std::vector<char>& pressable);
 [[nodiscard]] StartPlace start_place(const TouchSpace& space, const Touchable& body);
 
 }  // namespace palpate

@@ -1,12 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "haptic/touching/pressing_touch.h"
 
+#include <utility>
+
 namespace palpate {
+namespace {
+
+/// The time in which a force comes in that the tool has waited for, s.
+constexpr double kFadeIn = 0.2;
+
+}  // namespace
 
 bool PressingTouch::take_over(const Touch& before) noexcept {
   if (!BodyTouch::take_over(before)) return false;
   const auto* pressing = dynamic_cast<const PressingTouch*>(&before);
   has_lost_ = pressing != nullptr && pressing->has_lost_;
+  waits_ = pressing != nullptr && pressing->waits_;
+  fades_in_ = pressing != nullptr && pressing->fades_in_;
+  if (fades_in_) came_at_ = pressing->came_at_;
   press_ = pressing != nullptr ? pressing->press_ : Press();
   return true;
 }
@@ -14,6 +25,24 @@ bool PressingTouch::take_over(const Touch& before) noexcept {
 void PressingTouch::release() noexcept {
   BodyTouch::release();
   press_.release();
+  waits_ = false;
+  fades_in_ = false;
+}
+
+void PressingTouch::fade_in(Contact& contact, Time time) noexcept {
+  if (std::exchange(waits_, false)) {
+    fades_in_ = true;
+    came_at_ = time;
+  }
+  if (!fades_in_) return;
+  const double share = seconds(time - came_at_) / kFadeIn;
+  if (!(share < 1)) {
+    fades_in_ = false;
+    return;
+  }
+  contact.force *= share;
+  contact.stiffness *= share;
+  contact.energy *= share;
 }
 
 bool PressingTouch::grasp(const Contact& pressing, const TouchSettings& settings,
@@ -46,11 +75,15 @@ Contact PressingTouch::touch(const HandState& hand, const TouchSettings& setting
     contact.status = ContactStatus::inside;
   }
   if (contact.status == ContactStatus::pressing) {
+    fade_in(contact, hand.time);
     return grasps && !has_lost_ && grasp(contact, settings, hand.place)
                ? hold_.move(hand.place, settings.coupling_stiffness)
                : contact;
   }
-  armed_ = contact.status == ContactStatus::free;
+  const bool is_free = contact.status == ContactStatus::free;
+  waits_ = settings.grows && armed_ && !is_free;
+  fades_in_ = false;
+  armed_ = is_free || waits_;
   const SurfaceTree::Nearest nearest = this->nearest(hand.place);
   contact.distance = nearest.distance;
   contact.anchor = nearest.point;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A rigid tool that presses a body and glides on it (press.h). While it grasps it holds an active
-// node (hold.h), as a bonded tool does.
+// node (hold.h), as a bonded tool does. In a space that grows it may wait for its force.
 #pragma once
 
 #include <memory>
@@ -24,11 +24,19 @@ class PressingTouch final : public BodyTouch {
   /// and lets go of it when that is over.
   [[nodiscard]] Contact touch(const HandState& hand,
                               const TouchSettings& settings) noexcept override;
+  /// Where the tool has waited for a force in a space that grows, the force comes in little by
+  /// little.
+  void fade_in(Contact& contact, Time time) noexcept;
   [[nodiscard]] bool grasp(const Contact& pressing, const TouchSettings& settings,
                            const Vec3& place) noexcept;
 
   /// Whether the tool has lost the node that it grasped, while it is still asked to grasp.
   bool has_lost_ = false;
+  /// Whether the tool waits for a force where the space does not know it yet, and whether the force
+  /// has come since, but not all of it.
+  bool waits_ = false;
+  bool fades_in_ = false;
+  Time came_at_{0};
   Press press_;
 };
 

@@ -22,6 +22,10 @@ struct TouchSettings {
   double reach = 0;
   /// Stiffness of the virtual coupling between tool and body, N/m in the scene; 0: none.
   double coupling_stiffness = 0;
+  /// The space grows while it is touched: where a rigid tool has come from outside to a place that
+  /// is not known yet, there is a force as soon as it is known, which comes in within a fifth of a
+  /// second. Otherwise such a tool has to go outside first.
+  bool grows = false;
   /// Coefficient of Coulomb friction between a rigid tool and the body; 0: it glides freely.
   double friction = 0;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "following/explorer.h"
 
+#include <deque>
 #include <exception>
 #include <utility>
 #include <vector>
@@ -16,11 +17,15 @@
 namespace palpate {
 namespace {
 
+/// The number of states that an explorer remembers. The solver keeps about as many factors.
+constexpr std::size_t kRecent = 8;
+
 PrecomputeOptions options_of(const ExplorerJob& job) {
   PrecomputeOptions options;
   if (job.setup.presses()) options.contact.emplace();
   options.equilibrium.tolerance = job.tolerance;
   options.equilibrium.max_seconds = job.max_seconds;
+  options.equilibrium.single_precision = job.single_precision;
   options.equilibrium.third_derivatives = job.setup.policy.third_derivatives;
   // An explorer is one core of many.
   options.equilibrium.threads = 1;
@@ -71,12 +76,34 @@ struct Explorer::Impl {
         tools(body.scene->body, body.at_rest),
         states(body, solver, tools, job.estimate_mesh_error) {}
 
+  /// The state at the start of a task.
+  [[nodiscard]] Equilibrium start_of(const ExplorerTask& task);
+  /// Remembers a state from which others may start.
+  void remember(const Configuration& found);
+
   ToolSpaceSetup setup;
   SpaceBody body;
   EquilibriumSolver solver;
   InteractionFactory tools;
   InteractionSolver states;
+  /// The states that were found last. The solver still has factors of them, which it knows by
+  /// fields that are the same to the last digit; those that a session has kept are rounded.
+  std::deque<Configuration> recent;
 };
+
+Equilibrium Explorer::Impl::start_of(const ExplorerTask& task) {
+  for (const Configuration& c : recent) {
+    if (c.check_point != task.start->check_point || c.level != task.start->level) continue;
+    if (c.energy == task.start->energy) return to_equilibrium(Configuration(c));
+  }
+  const Equilibrium start = to_equilibrium(Configuration(*task.start));
+  return task.kept < Keep::all ? states.restore(setup, start, task.kept) : start;
+}
+
+void Explorer::Impl::remember(const Configuration& found) {
+  recent.push_front(found);
+  if (recent.size() > kRecent) recent.pop_back();
+}
 
 Explorer::Explorer(const ExplorerJob& job, std::function<bool()> abort_requested)
     : impl_(std::make_unique<Impl>(job, std::move(abort_requested))) {}
@@ -88,12 +115,11 @@ ExplorerResult Explorer::make(const ExplorerTask& task) {
   result.number = task.number;
   try {
     std::optional<Equilibrium> start;
-    if (task.start) {
-      start = to_equilibrium(Configuration(*task.start));
-      if (task.kept < Keep::all) start = impl_->states.restore(impl_->setup, *start, task.kept);
-    }
-    result.found = make_configuration(impl_->states, impl_->setup, task.transition,
-                                      start ? &*start : nullptr, 0, Tangent::factorised);
+    if (task.start) start = impl_->start_of(task);
+    result.found =
+        make_configuration(impl_->states, impl_->setup, task.transition, start ? &*start : nullptr,
+                           0, task.leads_on ? Tangent::factorised : Tangent::iterated);
+    if (task.leads_on && result.found.usable()) impl_->remember(result.found);
   } catch (const InputError& error) {
     result.refusal = error.what();
   } catch (const std::exception& error) {
@@ -115,6 +141,7 @@ Bytes pack(const ExplorerJob& job) {
   put(job.linear_solver, message);
   message.put(job.tolerance);
   message.put(job.max_seconds);
+  message.put(job.single_precision);
   message.put(job.estimate_mesh_error);
   return message.take();
 }
@@ -128,6 +155,7 @@ ExplorerJob unpack_job(const Bytes& bytes) {
   job.linear_solver = take_text(message);
   message.take(job.tolerance);
   message.take(job.max_seconds);
+  message.take(job.single_precision);
   message.take(job.estimate_mesh_error);
   require_end(message);
   return job;
@@ -138,6 +166,7 @@ Bytes pack(const ExplorerTask& task) {
   message.put(task.number);
   message.put(task.transition);
   message.put(task.kept);
+  message.put(task.leads_on);
   message.put(task.start.has_value());
   if (task.start) message.put(*task.start);
   return message.take();
@@ -149,6 +178,7 @@ ExplorerTask unpack_task(const Bytes& bytes) {
   message.take(task.number);
   message.take(task.transition);
   message.take(task.kept);
+  message.take(task.leads_on);
   if (message.take<bool>()) task.start = message.take<Configuration>();
   require_end(message);
   return task;

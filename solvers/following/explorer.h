@@ -30,6 +30,7 @@ struct ExplorerJob {
   /// Of each solve, see EquilibriumOptions.
   double tolerance = 0;
   double max_seconds = 0;
+  bool single_precision = false;
   bool estimate_mesh_error = false;
 };
 
@@ -41,6 +42,8 @@ struct ExplorerTask {
   std::optional<Configuration> start;
   /// The part of the fields that the start has.
   Keep kept = Keep::all;
+  /// Whether further transitions are likely to start from what is found.
+  bool leads_on = true;
 };
 
 struct ExplorerResult {

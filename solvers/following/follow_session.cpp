@@ -29,14 +29,21 @@ void require_followable(const PrecomputeOptions& options) {
   }
 }
 
+/// The place at rest of the touchable point that is nearest to where the exploration begins.
 /// @throws InputError no touchable point of the surface is in the region.
-void require_something_to_press(const SpaceBody& body, const ShellOptions& shell) {
+Vec3 find_begin(const SpaceBody& body, const ShellOptions& shell) {
   const Body& of = body.scene->body;
+  std::optional<Vec3> nearest;
   for (Index p = 0; p < of.mesh.num_points(); ++p) {
     if (of.touchable[static_cast<std::size_t>(p)] == 0) continue;
-    if (!shell.region || shell.region(place_at_rest(of.mesh, body.at_rest, p))) return;
+    const Vec3 place = place_at_rest(of.mesh, body.at_rest, p);
+    if (shell.region && !shell.region(place)) continue;
+    if (!nearest || (place - shell.begin_at).norm() < (*nearest - shell.begin_at).norm()) {
+      nearest = place;
+    }
   }
-  throw_nothing_to_press();
+  if (!nearest) throw_nothing_to_press();
+  return *nearest;
 }
 
 }  // namespace
@@ -55,6 +62,7 @@ struct FollowSession::Impl {
   std::vector<SpaceBody> bodies;
   std::unique_ptr<InteractionFactory> tools;
   ExplorerJob job;
+  HandMotion first_hand;
   std::unique_ptr<ChunkRecord> record;
   std::unique_ptr<FollowTool> strategy;
   /// The usable configurations, which may be starts.
@@ -85,7 +93,7 @@ FollowSession::Impl::Impl(std::shared_ptr<const Scene> scene, const PrecomputeOp
   }
   RigidTool& tool = options.contact->tool;
   if (has_earlier_layer(*body.scene, options)) tool = with_earlier_layer(tool, *body.scene);
-  require_something_to_press(body, options.contact->shell);
+  const Vec3 begin = find_begin(body, options.contact->shell);
   tools = std::make_unique<InteractionFactory>(body.scene->body, body.at_rest);
   job.scene = body.scene;
   job.at_rest = body.at_rest;
@@ -93,7 +101,10 @@ FollowSession::Impl::Impl(std::shared_ptr<const Scene> scene, const PrecomputeOp
   job.linear_solver = options.linear_solver;
   job.tolerance = options.equilibrium.tolerance;
   job.max_seconds = options.equilibrium.max_seconds;
+  job.single_precision = options.equilibrium.single_precision;
   job.estimate_mesh_error = options.estimate_mesh_error;
+  const auto clearance = tools->clearance(job.setup.interaction);
+  first_hand.place = clearance->pressed(begin, clearance->approach(begin).out, 0);
   open_record();
 }
 
@@ -151,9 +162,15 @@ FollowSession::~FollowSession() = default;
 
 const ExplorerJob& FollowSession::job() const { return impl_->job; }
 
+const SpaceBody& FollowSession::body() const { return impl_->bodies.front(); }
+
 TouchSpace FollowSession::empty_space() const {
   return make_empty_touch_space(ShownSurface(impl_->bodies));
 }
+
+const HandMotion& FollowSession::first_hand() const { return impl_->first_hand; }
+
+bool FollowSession::has_found() const { return !impl_->starts.empty(); }
 
 void FollowSession::follow(const HandPrediction& hand) {
   impl_->strategy->follow(hand);
@@ -168,12 +185,13 @@ std::optional<ExplorerTask> FollowSession::next() {
   ExplorerTask task;
   task.number = ++impl_->last_task;
   task.transition = *transition;
+  task.leads_on = impl_->strategy->leads_on(transition->target);
   impl_->tasks.emplace(task.number, *transition);
   if (transition->needs_no_start()) return task;
   try {
     const ConfigurationSummary& start = impl_->starts.at(transition->start);
-    task.start = impl_->record->load(impl_->job.setup.key(), start);
-    task.kept = impl_->record->kept(impl_->job.setup.key(), start);
+    task.start = load(start);
+    task.kept = kept(start);
   } catch (...) {
     lose(task.number);
     throw;
@@ -223,6 +241,14 @@ void FollowSession::lose(std::int64_t task) {
 }
 
 std::optional<SpaceChunk> FollowSession::take_chunk() { return impl_->record->take(); }
+
+Configuration FollowSession::load(const ConfigurationSummary& summary) const {
+  return impl_->record->load(impl_->job.setup.key(), summary);
+}
+
+Keep FollowSession::kept(const ConfigurationSummary& summary) const {
+  return impl_->record->kept(impl_->job.setup.key(), summary);
+}
 
 FollowSession::Figures FollowSession::figures() const {
   Figures figures = impl_->figures;

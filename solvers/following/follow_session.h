@@ -32,8 +32,15 @@ class FollowSession {
 
   /// What each explorer is to know.
   [[nodiscard]] const ExplorerJob& job() const;
+  [[nodiscard]] const SpaceBody& body() const;
   /// The space without any configuration, which takes the chunks.
   [[nodiscard]] TouchSpace empty_space() const;
+
+  /// A tool that touches the body near the place where the exploration is to begin
+  /// (ShellOptions::begin_at).
+  [[nodiscard]] const HandMotion& first_hand() const;
+  /// Whether there is a configuration that is usable.
+  [[nodiscard]] bool has_found() const;
 
   /// Says where the hand may be from now on.
   void follow(const HandPrediction& hand);
@@ -51,6 +58,10 @@ class FollowSession {
 
   /// What was found since the last chunk, and at first what the file has.
   [[nodiscard]] std::optional<SpaceChunk> take_chunk();
+  /// A configuration that was found, with its fields.
+  [[nodiscard]] Configuration load(const ConfigurationSummary& summary) const;
+  /// The part of the fields that load() gives; less than all if an earlier run has reduced them.
+  [[nodiscard]] Keep kept(const ConfigurationSummary& summary) const;
 
   struct Figures {
     FollowTool::Coverage coverage;

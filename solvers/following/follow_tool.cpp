@@ -2,6 +2,7 @@
 #include "following/follow_tool.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -163,6 +164,7 @@ void FollowTool::plan_around() {
   has_found_ = false;
   const ToolClearance::Approach nearest = clearance_->approach(hand);
   add_to_border(cells_.numbers_of(clearance_->pressed(nearest.touched, nearest.out, 0)));
+  if (border_.empty()) add_nearest_to_border(cells_.numbers_of(hand));
   for (const CheckPoint& numbers : border_) {
     add_corners(numbers, cells_.box(cells_.root(numbers)).exteriorDistance(hand), around_);
   }
@@ -173,6 +175,20 @@ void FollowTool::add_to_border(const CheckPoint& middle) {
   for (int n = 0; n < num_neighbours; ++n) {
     const CheckPoint numbers = neighbour(middle, n);
     if (cells_.holds(numbers) && !is_complete(numbers)) border_.insert(numbers);
+  }
+}
+
+void FollowTool::add_nearest_to_border(const CheckPoint& middle) {
+  for (std::int32_t ring = 1; ring <= cells_.num_roots() && border_.empty(); ++ring) {
+    for (std::int32_t i = -ring; i <= ring; ++i) {
+      for (std::int32_t j = -ring; j <= ring; ++j) {
+        const bool is_side = std::abs(i) == ring || std::abs(j) == ring;
+        for (std::int32_t k = -ring; k <= ring; k += is_side ? 1 : 2 * ring) {
+          const CheckPoint numbers{middle[0] + i, middle[1] + j, middle[2] + k};
+          if (cells_.holds(numbers) && !is_complete(numbers)) border_.insert(numbers);
+        }
+      }
+    }
   }
 }
 
@@ -213,6 +229,11 @@ std::optional<Transition> FollowTool::choose(const CheckPoint& p, bool may_wait)
     return std::nullopt;
   }
   return go(p);
+}
+
+bool FollowTool::leads_on(const CheckPoint& p) {
+  if (!cells_.is_corner(p)) return false;
+  return options_.depth <= 0 || cells_.node(p).approach.depth <= options_.depth;
 }
 
 FollowTool::Target& FollowTool::target(const CheckPoint& p) {

@@ -49,6 +49,9 @@ class FollowTool {
   /// The transition that is needed first. Until its result comes, it is under way.
   /// @returns nothing: all that is left is under way, or there is nothing left.
   [[nodiscard]] std::optional<Transition> next();
+  /// Whether further transitions are likely to start from a check-point: it is a corner of coarse
+  /// cells, and no deeper than the tool is to press.
+  [[nodiscard]] bool leads_on(const CheckPoint& p);
   /// Takes in the result of a transition that is under way.
   void accept(const ConfigurationSummary& found);
   /// Says that a transition that is under way has no result, since its solver is lost. It is made
@@ -104,6 +107,9 @@ class FollowTool {
   void add_corners(const CheckPoint& numbers, double need, std::vector<Due>& due);
   /// Adds the cells around a root cell that are not complete to the border.
   void add_to_border(const CheckPoint& middle);
+  /// Adds the root cells of the shell that are nearest to one and not complete: the hand is far
+  /// away, or where nothing is to be pressed.
+  void add_nearest_to_border(const CheckPoint& middle);
   [[nodiscard]] std::optional<Transition> take_first(const std::vector<Due>& due, bool may_wait);
   /// The transition that leads to a target, or to one of its starts that is to be made before.
   /// @param may_wait Whether a start that is under way is waited for.

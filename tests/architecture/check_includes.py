@@ -97,10 +97,14 @@ def haptic_units():
     solvers = {"solvers/base", "solvers/mesh", "solvers/materials", "solvers/reduced",
                "solvers/state_space", "solvers/fields", "solvers/interpolation"}
     # The program reads a file; what runs beside it only has what was read.
-    further = {"palpate_servo": {"solvers/storage"}}
+    further = {
+        "palpate_servo": {"solvers/storage"},
+        # What is explored while it is touched.
+        "exploring": {f"solvers/{part}" for part in SOLVER_PARTS},
+    }
     wrapped = {"transport": {"hidapi"}, "recording": {"CSV"}, "palpate_servo": {"CLI11"}}
     parts = ["realtime", "profile", "guardian", "palpate_guardian", "transport", "touching",
-             "simulating", "servo", "recording", "palpate_servo"]
+             "exploring", "simulating", "servo", "recording", "palpate_servo"]
     return {
         f"haptic/{part}": Unit({"std", "POSIX", "Eigen"} | wrapped.get(part, set()),
                                {f"haptic/{earlier}" for earlier in parts[:index]} | solvers
@@ -123,7 +127,7 @@ FILTER_ROOMS = {
     "solving": "exploration",
     "state_space": "accuracy",
     "reduction": "reduction",
-    "touching": "exploration",
+    "touching": "following",
 }
 
 

@@ -72,7 +72,7 @@ int run(const std::string& path, const std::string& program, const Arguments& ar
   const ToolSpaceSetup& setup = session.job().setup;
   const auto clearance = tools.clearance(setup.interaction);
   ShellCells cells(*clearance, setup.grid, scene->body.touchable, options.contact->shell);
-  const Vec3 middle = clearance->approach(clearance->body_bounds().center()).touched;
+  const Vec3 middle = clearance->approach(session.first_hand().place).touched;
   PalpatingHand hand(*clearance, middle, 1e-3 * arguments["extent"], 1e-3 * arguments["speed"],
                      static_cast<unsigned>(arguments["seed"]));
   std::map<CheckPoint, char> known;

@@ -4,6 +4,7 @@ says, and quits; test_press.py reads what it prints. What a person clicks is cli
 
 import os
 import sys
+import time
 
 from paraview.simple import *
 
@@ -322,6 +323,61 @@ def grow():
     click_stop()
 
 
+def explore():
+    """A space of which nothing is known is explored around the tool while it presses; what was
+    found stays in the file, and is there at once the next time."""
+    reader = StateSpaceReader(FileName=os.path.abspath("whole.palpate"))
+    reader.UpdatePipeline()
+    body = MergeBlocks(Input=ExtractBlock(Input=reader, Selectors=["/Root/Body"]))
+    space = PrecomputeStateSpace(Input=body, Tool="Sphere", Depth=0.006, Spacing=0.006,
+                                 Exploration="Around The Hand", LogInterval=0,
+                                 FileName=os.path.abspath("explored.palpate"))
+    space.Tool.Radius = 0.01
+    view = GetActiveViewOrCreate("RenderView")
+    Show(space, view)
+    look_from(view, [0.12, 0.08, 0.35])
+    begun = number_of_states(space)
+    wait_for(lambda: part("space").findText("PrecomputeStateSpace1") >= 0, "it is listed")
+    part("space").setCurrentText("PrecomputeStateSpace1")
+    at = pixel_of(view, MIDDLE)
+
+    def press_until_felt():
+        click_start("Mouse")
+        hover(at)
+        send(Event.MouseButtonPress, at)
+        start = time.monotonic()
+        wait_for(lambda: presses() and number("force") > 0.03, "it is felt")
+        return time.monotonic() - start
+
+    waited = press_until_felt()
+    wait_for(lambda: "inside the space" in part("place").text(), "the cell is complete")
+    assert part("explored").isVisible() and "1 explorers" in part("explored").text()
+    # The body is seen to be pressed, by the fields that were found meanwhile.
+    wait_for(lambda: touch_filter().PointData["ContactPressure"].GetRange()[1] > 0, "the pressure")
+    wait(1)  # the tool comes to where it is to press
+    window.grab().save("explored.png")
+    force = number("force")
+    let_go(at)
+    click_stop()
+    assert not part("explored").isVisible()
+    space.UpdatePipeline()
+    print("explored", waited, begun, number_of_states(space))
+    again = press_until_felt()
+    wait(1)
+    assert abs(number("force") - force) < 0.02 * force, (number("force"), force)
+    let_go(at)
+    click_stop()
+    print("explored_again", again)
+
+
+def number_of_states(space):
+    block = ExtractBlock(Input=space, Selectors=["/Root/Configurations"])
+    block.UpdatePipeline()
+    number = block.GetDataInformation().GetNumberOfPoints()
+    Delete(block)
+    return number
+
+
 # In the loop of events, as what a person does.
 QtCore.QTimer.singleShot(300, lambda: run_in_turn(
-    {"press": press, "looks": looks, "rub": rub, "grasp": grasp, "edge": edge, "grow": grow}))
+    {"press": press, "looks": looks, "rub": rub, "grasp": grasp, "edge": edge, "grow": grow, "explore": explore}))

@@ -23,7 +23,7 @@ def main():
                        stdout=subprocess.DEVNULL)
 
     # What depends on how large the window is comes first.
-    found = run("press,rub,grasp,edge,grow,looks", folder, script="press_script.py")
+    found = run("press,rub,grasp,edge,grow,explore,looks", folder, script="press_script.py")
     for size in ("size_1000", "size_1270"):
         force, glided = found[size]
         assert 0.02 < force < 3 and glided > 0.004, (size, found)
@@ -38,6 +38,9 @@ def main():
     assert found["looks"] == [1]
     assert found["pulled"][0] > 0.001
     assert found["edge"] == [1]
+    waited, begun, states = found["explored"]
+    assert waited < 20 and begun <= 2 and states > 8, found
+    assert found["explored_again"][0] < waited + 1, found
     assert found["grown"][0] < 0.045 and found["threads"][0] <= 0, found
 
 

@@ -11,6 +11,7 @@
 #include "vtkDataObject.h"
 #include "vtkPVArrayInformation.h"
 #include "vtkPVDataInformation.h"
+#include "vtkPalpatePrecomputeStateSpace.h"
 #include "vtkPalpateReducedModel.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStateSpace.h"
@@ -112,6 +113,12 @@ bool pqPalpateHasActiveNodes(pqOutputPort* port)
   // The rigid tool is in this list as -1.
   vtkPVArrayInformation* nodes = FindField(port, "ActiveNodes");
   return nodes && nodes->GetComponentRange(0)[1] >= 0;
+}
+
+bool pqPalpateIsExploredAroundHand(pqOutputPort* port)
+{
+  return vtkSMPropertyHelper(port->getSourceProxy(), "Exploration", true).GetAsInt() ==
+    vtkPalpatePrecomputeStateSpace::AROUND_THE_HAND;
 }
 
 palpate::TouchSpace pqPalpateFetchSpace(pqOutputPort* port)

@@ -26,6 +26,9 @@ int pqPalpateCountTools(pqOutputPort* port);
 bool pqPalpateHasRigidTool(pqOutputPort* port);
 bool pqPalpateHasActiveNodes(pqOutputPort* port);
 
+/// Whether the space is explored around the hand while it is touched.
+bool pqPalpateIsExploredAroundHand(pqOutputPort* port);
+
 /// Figures of a reduced model that tell it from another one.
 std::vector<double> pqPalpateMarkReduced(pqOutputPort* port);
 

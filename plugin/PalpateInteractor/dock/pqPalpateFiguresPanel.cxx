@@ -41,6 +41,9 @@ void pqPalpateFiguresPanel::addLive(QFormLayout* form)
     "tool can go before the space ends.");
   this->Mesh = AddFigure(form, "Mesh", "mesh",
     "How wrong the mesh makes the force of the body, as estimated with the space.");
+  this->Explored = AddFigure(form, "Explored", "explored",
+    "States that were found around the hand since the start, explorers, and how many of the cells "
+    "that the hand may be in within 0.4 s are known.");
   this->Trust = AddFigure(form, "Trust", "trust",
     "How far the body is moved, of how far its model was trained for: to about 1 it is inside; "
     "above 2 forces are not to be trusted.");
@@ -69,8 +72,9 @@ void pqPalpateFiguresPanel::showRows(bool isReduced)
   {
     ShowRow(field, !isReduced);
   }
-  // It is shown where there is an estimate.
+  // They are shown where there is an estimate, and where something is explored.
   ShowRow(this->Mesh, false);
+  ShowRow(this->Explored, false);
   for (QWidget* field : { this->Trust, this->StepTime })
   {
     ShowRow(field, isReduced);
@@ -116,6 +120,8 @@ void pqPalpateFiguresPanel::show(const pqPalpateTouch::Figures& f)
     place += QString(", %1 mm left").arg(1e3 * f.DepthLeft, 0, 'f', 1);
   }
   this->Place->setText(place);
+  ShowRow(this->Explored, !f.Explored.isEmpty());
+  this->Explored->setText(f.Explored);
   const palpate::TouchMeshError& mesh = f.MeshError;
   ShowRow(this->Mesh, mesh.trust != palpate::MeshErrorTrust::none);
   const bool isReliable = mesh.trust == palpate::MeshErrorTrust::reliable;
@@ -141,4 +147,5 @@ void pqPalpateFiguresPanel::show(const pqPalpateReducedTouch::Figures& f)
 void pqPalpateFiguresPanel::showClosed()
 {
   this->State->setText("closed");
+  ShowRow(this->Explored, false);
 }

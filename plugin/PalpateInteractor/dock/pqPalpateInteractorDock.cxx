@@ -234,6 +234,7 @@ void pqPalpateInteractorDock::enableSettings()
   pqPalpateSettingsPanel::Situation situation;
   situation.IsReduced = space && pqPalpateGivesReducedModel(space);
   situation.IsRigid = space && !situation.IsReduced && pqPalpateHasRigidTool(space);
+  situation.IsExplored = space && pqPalpateIsExploredAroundHand(space);
   situation.HasButton = this->Devices->hasButton();
   situation.HasRealDevice = this->Devices->hasRealDevice();
   situation.IsTouching = this->isTouching();

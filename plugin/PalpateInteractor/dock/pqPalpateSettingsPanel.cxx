@@ -4,6 +4,8 @@
 #include <QCheckBox>
 #include <QDoubleSpinBox>
 #include <QFormLayout>
+#include <QLineEdit>
+#include <QSpinBox>
 
 #include "pqPalpateDockParts.h"
 
@@ -71,6 +73,20 @@ pqPalpateSettingsPanel::pqPalpateSettingsPanel(QFormLayout* form, QObject* paren
   this->InTissue->setChecked(settings.InTissue);
   form->addRow("Force", this->NeedsButton);
   form->addRow("Body", this->InTissue);
+  this->Explorers = pqPalpateNamed(
+    new QSpinBox(), "explorers", "Programs on this machine that explore around the hand.");
+  this->Explorers->setRange(0, 256);
+  this->Explorers->setSpecialValueText("the cores less one");
+  this->Endpoint = pqPalpateNamed(new QLineEdit(), "explorersEndpoint",
+    "Where explorers of other machines come to, as tcp://*:5700, or where they listen, as "
+    ">tcp://node1:5700,>tcp://node2:5700. Both sides need the keys.");
+  this->Endpoint->setPlaceholderText("this machine alone");
+  this->Keys = pqPalpateNamed(
+    new QLineEdit(), "explorersKeys", "The folder of the keys, from palpate-explore --make-keys.");
+  this->Keys->setPlaceholderText("new ones");
+  form->addRow("Explorers", this->Explorers);
+  form->addRow("Others at", this->Endpoint);
+  form->addRow("Keys", this->Keys);
   for (QDoubleSpinBox* box : { this->WorkspaceScale, this->ForceScale, this->ForceLimit,
          this->ReleaseForce, this->Friction })
   {
@@ -100,6 +116,9 @@ pqPalpateRun::Settings pqPalpateSettingsPanel::settings() const
   // The tick counts also while it is disabled: it is not given up because another device is chosen.
   settings.NeedsButton = this->NeedsButton->isChecked();
   settings.InTissue = this->InTissue->isChecked();
+  settings.Explorers.Number = this->Explorers->value();
+  settings.Explorers.Endpoint = this->Endpoint->text().trimmed();
+  settings.Explorers.Keys = this->Keys->text().trimmed();
   return settings;
 }
 
@@ -107,6 +126,10 @@ void pqPalpateSettingsPanel::enable(const Situation& situation)
 {
   this->Present = situation;
   this->NeedsButton->setEnabled(situation.HasRealDevice);
+  for (QWidget* of : std::initializer_list<QWidget*>{ this->Explorers, this->Endpoint, this->Keys })
+  {
+    of->setEnabled(situation.IsExplored && !situation.IsTouching);
+  }
   if (situation.IsReduced)
   {
     // The tool of a reduced body is bonded, and its coupling was made for these scales.

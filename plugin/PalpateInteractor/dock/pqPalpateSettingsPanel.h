@@ -9,6 +9,8 @@
 class QCheckBox;
 class QDoubleSpinBox;
 class QFormLayout;
+class QLineEdit;
+class QSpinBox;
 
 class pqPalpateSettingsPanel : public QObject
 {
@@ -26,6 +28,7 @@ public:
     bool HasButton = false;
     bool HasRealDevice = false;
     bool IsTouching = false;
+    bool IsExplored = false; ///< a state space that is explored around the hand
   };
   /// Disables the settings that have no meaning now.
   void enable(const Situation& situation);
@@ -44,5 +47,8 @@ private:
   QCheckBox* Grasps = nullptr;
   QCheckBox* NeedsButton = nullptr;
   QCheckBox* InTissue = nullptr;
+  QSpinBox* Explorers = nullptr;
+  QLineEdit* Endpoint = nullptr;
+  QLineEdit* Keys = nullptr;
   Situation Present;
 };

@@ -33,13 +33,17 @@ constexpr int MostSteps = 60;
 constexpr const char* NoNodeNear = "No black dot is near: there is nothing to hold.";
 constexpr const char* SpaceEnds =
   "The space ends here. Let go, and press\nwhere the body is not grey.";
+constexpr const char* NotYetKnown = "This place is being computed:\nthere is a force in a moment.";
 }
 
 pqPalpateToolMouse::pqPalpateToolMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
-  std::shared_ptr<const palpate::Touchable> body, std::shared_ptr<palpate::MouseMotion> motion)
+  std::shared_ptr<const palpate::Touchable> body, std::shared_ptr<palpate::MouseMotion> motion,
+  std::vector<char> pressable, bool grows)
   : pqPalpateMouse(view, space.surface, std::move(motion))
   , Body(std::move(body))
   , Normals(palpate::point_normals(space.surface))
+  , Pressable(std::move(pressable))
+  , IsUnknown(grows ? NotYetKnown : SpaceEnds)
 {
   if (const palpate::TouchToolSpace* toolSpace = space.find_pressing())
   {
@@ -49,8 +53,6 @@ pqPalpateToolMouse::pqPalpateToolMouse(vtkSMRenderViewProxy* view, const palpate
     this->Room = RoomOfCell * setup.grid.coarsest * setup.grid.spacing();
     this->Deepest = setup.depth();
   }
-  this->Pressable =
-    palpate::pressable_points(space.surface, this->Shape, *this->Body->force_on_tool());
   this->Depth = FirstDepth * this->Deepest;
   this->Welcome = "Press the left button on the body and drag:\nthe tool glides. The wheel presses "
                   "deeper.";
@@ -243,9 +245,9 @@ void pqPalpateToolMouse::Advance(const palpate::Tick& tick)
         this->SetTarget(this->Grasps ? held : this->In(), this->Grasps);
         if (status == palpate::ContactStatus::inside)
         {
-          this->Hint = SpaceEnds;
+          this->Hint = this->IsUnknown;
         }
-        else if (this->Hint == SpaceEnds || this->Hint == NoNodeNear)
+        else if (this->Hint == this->IsUnknown || this->Hint == NoNodeNear)
         {
           this->Hint.clear();
         }

@@ -14,8 +14,11 @@
 class pqPalpateToolMouse : public pqPalpateMouse
 {
 public:
+  /// @param pressable The points of the surface that the tool can press.
+  /// @param grows Whether more of the space becomes known while it is touched.
   pqPalpateToolMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
-    std::shared_ptr<const palpate::Touchable> body, std::shared_ptr<palpate::MouseMotion> motion);
+    std::shared_ptr<const palpate::Touchable> body, std::shared_ptr<palpate::MouseMotion> motion,
+    std::vector<char> pressable, bool grows);
   ~pqPalpateToolMouse() override;
 
   void GoOnFrom(const pqPalpateMouse& other) override;
@@ -61,6 +64,8 @@ private:
   double Room = 0;
   double Deepest = 0;
   std::string Welcome;
+  /// What is said where the tool can press but there is no force.
+  const char* IsUnknown;
 
   Phases Phase = Phases::Hovering;
   bool IsOverBody = false;

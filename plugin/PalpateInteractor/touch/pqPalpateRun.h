@@ -22,6 +22,7 @@
 #include "pqOutputPort.h"
 #include "pqPalpateBodyView.h"
 #include "pqPalpateDevices.h"
+#include "pqPalpateExploration.h"
 #include "pqPalpateMouse.h"
 #include "pqPalpateRecording.h"
 #include "pqPalpateRunWatch.h"
@@ -58,6 +59,8 @@ public:
     bool GraspsWithButton = true;
     /// Coefficient of friction of a rigid tool.
     double Friction = 0;
+    /// Who explores a space that is explored around the hand; as it is when touching begins.
+    pqPalpateExploration::Explorers Explorers;
     /// Whether the body has the colour of tissue at rest and other colours where it is pressed or
     /// moved; else the colours are those of ParaView's map. A body that a person has coloured keeps
     /// its colours.

@@ -5,10 +5,12 @@
 #include <exception>
 #include <utility>
 
+#include "haptic/exploring/expected_press.h"
 #include "haptic/servo/interlock.h"
 #include "haptic/servo/servo.h"
 #include "haptic/touching/body_touch.h"
 #include "haptic/touching/pressing_range.h"
+#include "pqPalpateExploration.h"
 #include "pqPalpateFault.h"
 #include "pqPalpateFetch.h"
 #include "pqPalpateNodeMouse.h"
@@ -67,6 +69,23 @@ QString Words(palpate::Support support)
   return {};
 }
 
+/// Of all configurations, N.
+double LargestForce(const palpate::TouchSpace& space)
+{
+  double largest = 0;
+  for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
+  {
+    for (const palpate::ConfigurationSummary& configuration : toolSpace.configurations)
+    {
+      if (configuration.usable())
+      {
+        largest = std::max(largest, configuration.force.norm());
+      }
+    }
+  }
+  return largest;
+}
+
 /// The pressure under the middle of a rigid tool, Pa. It follows from the mean force and from
 /// Hertz's area at the largest depth, so that a deep press is in the last colour.
 double UsualPressure(const palpate::TouchToolSpace& rigid)
@@ -100,6 +119,12 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
   /// How deep the rigid tool presses, m; 0: there is none.
   double Deepest = 0;
   palpate::RigidTool RigidTool;
+  /// The points of the surface that a rigid tool can press.
+  std::vector<char> Pressable;
+  /// What explores the space meanwhile; null: nothing does.
+  std::unique_ptr<pqPalpateExploration> Exploration;
+  /// Whether more was found since the body was last shown.
+  bool HasGrown = false;
   /// The settings of the touch as they were last set.
   palpate::TouchSettings TouchSettings;
   std::unique_ptr<pqPalpateToolView> Tool;
@@ -122,13 +147,18 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
     return !filter || vtkSMPropertyHelper(filter->getProxy(), "CorrectMeshError").GetAsInt() != 0;
   }
 
-  /// Takes the client's copy of the space.
-  void SetSpace(const palpate::TouchSpace& space)
+  palpate::TouchableOptions Options()
   {
     palpate::TouchableOptions options;
     this->CorrectsMeshError = this->AsksForCorrection();
     options.interpolation.correct_mesh_error = this->CorrectsMeshError;
-    this->Body = std::make_shared<const palpate::Touchable>(space, options);
+    return options;
+  }
+
+  /// Takes the client's copy of the space.
+  void SetSpace(const palpate::TouchSpace& space)
+  {
+    this->Body = std::make_shared<const palpate::Touchable>(space, this->Options());
     Eigen::AlignedBox3d box;
     double beyond = 0;
     for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
@@ -150,6 +180,13 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
     const palpate::TouchToolSpace* rigid = space.find_pressing();
     this->Deepest = rigid ? rigid->setup.depth() : 0;
     this->RigidTool = rigid ? rigid->setup.interaction.tool : palpate::RigidTool();
+    this->Pressable.clear();
+    if (rigid)
+    {
+      this->Pressable = this->Exploration
+        ? this->Exploration->Pressable(space.surface)
+        : palpate::pressable_points(space.surface, this->RigidTool, *this->Body->force_on_tool());
+    }
   }
 
   /// How deep a rigid tool is in the body at rest, or how far the tool has moved its node, m; below
@@ -171,13 +208,16 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
   void ShowSpace(const palpate::TouchSpace& space)
   {
     vtkSMRenderViewProxy* view = this->View->getRenderViewProxy();
-    this->Tool = std::make_unique<pqPalpateToolView>(view, space, *this->Body);
+    const palpate::TouchToolSpace* rigid = space.find_pressing();
+    this->Tool = std::make_unique<pqPalpateToolView>(view, space, *this->Body, this->Pressable,
+      this->Exploration ? this->Exploration->Expected(*rigid).force : LargestForce(space));
     if (const auto& motion = this->Hand.Motion)
     {
       std::unique_ptr<pqPalpateMouse> mouse;
       if (this->Body->force_on_tool())
       {
-        mouse = std::make_unique<pqPalpateToolMouse>(view, space, this->Body, motion);
+        mouse = std::make_unique<pqPalpateToolMouse>(
+          view, space, this->Body, motion, this->Pressable, this->Exploration != nullptr);
       }
       else
       {
@@ -199,7 +239,7 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
   {
     const palpate::TouchToolSpace* rigid = space.find_pressing();
     const palpate::ToolSpaceSetup& setup = (rigid ? *rigid : space.tool_spaces.front()).setup;
-    const auto [place, normal, depth] = palpate::start_place(space, *this->Body);
+    const auto [place, normal, depth] = palpate::start_place(space, *this->Body, this->Pressable);
     const double height =
       rigid ? HandRoom * setup.grid.coarsest * setup.grid.spacing() : HandHeight * depth;
     return { place, normal, height, height + HandDepth * depth };
@@ -209,9 +249,11 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
   {
     const palpate::TouchToolSpace* rigid = space.find_pressing();
     const double depth = space.tool_spaces.front().setup.depth();
+    const double most = !rigid ? depth
+      : this->Exploration      ? this->Exploration->Expected(*rigid).pressure
+                               : UsualPressure(*rigid);
     this->BodyView = std::make_unique<pqPalpateBodyView>(this->Port, this->View,
-      rigid ? "ContactPressure" : "Displacement", rigid ? UsualPressure(*rigid) : depth, inTissue,
-      this->Away().data());
+      rigid ? "ContactPressure" : "Displacement", most, inTissue, this->Away().data());
   }
 };
 
@@ -246,6 +288,7 @@ QString pqPalpateTouch::start(
     }
     const palpate::TouchSpace copy = pqPalpateFetchSpace(space);
     session->DataTime = pqPalpateDataTime(space);
+    session->Exploration = pqPalpateExploration::Of(space);
     session->SetSpace(copy);
     const auto clock = std::make_shared<palpate::MonotonicClock>();
     pqPalpateDevice opened = open(hand, clock, [&] { return session->HandWay(copy); });
@@ -260,6 +303,11 @@ QString pqPalpateTouch::start(
     // The filter that shows the body moves one node, so one node is felt.
     session->TouchSettings.blended = false;
     hand.Servo->set_touch(palpate::make_touch(session->Body));
+    if (session->Exploration)
+    {
+      session->Exploration->Begin(this->Current.Explorers, session->Options(), hand.Servo.get());
+      session->TouchSettings.grows = true;
+    }
     if (hand.Recording)
     {
       opened.Setup.scene_hash = session->Body->scene_hash();
@@ -286,6 +334,7 @@ QString pqPalpateTouch::endLoops(pqPalpateRun::Session& ended)
   auto& session = static_cast<Session&>(ended);
   Hand& hand = session.Hand;
   const bool hasEnded = hand.Servo->stop();
+  const QString notKept = session.Exploration ? session.Exploration->End() : QString();
   const palpate::Statistics statistics = hand.Servo->statistics();
   const quint64 frames = session.BodyView->GetNumberOfFrames();
   vtkVLogF(PARAVIEW_LOG_PLUGIN_VERBOSITY(),
@@ -300,7 +349,7 @@ QString pqPalpateTouch::endLoops(pqPalpateRun::Session& ended)
   this->closeRecording(std::move(hand.Recording));
   hand.Mouse.reset();
   session.Tool.reset();
-  return hasEnded ? QString()
+  return hasEnded ? notKept
                   : "The device's driver hangs: the device itself has to switch its motors off.";
 }
 
@@ -346,6 +395,12 @@ void pqPalpateTouch::takeNewData()
         return;
       }
       session.DataTime = time;
+      if (session.Exploration)
+      {
+        this->end("What is explored around the hand was changed. Start again.",
+          pqPalpateRunWatch::Left::All);
+        return;
+      }
       const palpate::TouchSpace copy = pqPalpateFetchSpace(session.Port);
       if (this->Running != kept)
       {
@@ -406,11 +461,19 @@ void pqPalpateTouch::advance()
   session.Force = hand.Tick.force.norm();
   session.BodyForce = hand.Tick.contact.force.norm();
 
-  // A space that grows is computed on here and not within the frame, where progress would not be
-  // shown and the button not heard.
-  vtkSMPropertyHelper growth(session.Source->getProxy(), "UpdateInterval", true);
-  if (growth.GetAsDouble() > 0)
+  if (session.Exploration)
   {
+    if (auto grown = session.Exploration->TakeGrown())
+    {
+      session.Body = std::move(grown);
+      session.HasGrown = true;
+    }
+  }
+  else if (vtkSMPropertyHelper(session.Source->getProxy(), "UpdateInterval", true).GetAsDouble() >
+    0)
+  {
+    // A space that grows is computed on here and not within the frame, where progress would not be
+    // shown and the button not heard.
     session.Source->updatePipeline();
   }
   if (this->Running == kept)
@@ -435,8 +498,9 @@ void pqPalpateTouch::show()
   const int branch = holds ? contact.branches[0] : 0;
   const Vec3 displacement = holds ? contact.displacement : Vec3::Zero();
   const Vec3 pressed = presses ? contact.anchor : session.Away();
-  const bool moved = node != session.Node || body != session.OnBody || branch != session.Branch ||
-    displacement != session.Displacement || pressed != session.Pressed;
+  const bool grew = presses && std::exchange(session.HasGrown, false);
+  const bool moved = grew || node != session.Node || body != session.OnBody ||
+    branch != session.Branch || displacement != session.Displacement || pressed != session.Pressed;
   const bool showsFree = !mouse || mouse->ShowsTool();
   const bool says = mouse && session.Tool->Say(mouse->GetHint());
   if (!moved && !says && touches == session.Touches && showsFree == session.ShowsFree &&
@@ -453,7 +517,7 @@ void pqPalpateTouch::show()
     }
     else
     {
-      session.BodyView->ShowPressed(pressed.data());
+      session.BodyView->ShowPressed(pressed.data(), grew);
     }
     // That a server is gone is noticed only when something is sent to it, so that the session may
     // have ended here.
@@ -512,6 +576,12 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
   }
   addRecorded(session.Hand, figures);
   figures.Problem = QString::fromStdString(servo.problem());
+  if (session.Exploration)
+  {
+    QString problem;
+    figures.Explored = session.Exploration->InWords(problem);
+    figures.Problem = figures.Problem.isEmpty() ? problem : figures.Problem;
+  }
   const std::string_view why = palpate::words_for(tick.tripped);
   if (!why.empty())
   {

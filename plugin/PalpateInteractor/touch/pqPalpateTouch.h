@@ -40,6 +40,8 @@ public:
     double Depth = -1;
     /// How much deeper a rigid tool that presses can go, m; below 0: no rigid tool presses.
     double DepthLeft = -1;
+    /// What is explored meanwhile; empty: nothing is.
+    QString Explored;
   };
 
   explicit pqPalpateTouch(QObject* parent = nullptr);

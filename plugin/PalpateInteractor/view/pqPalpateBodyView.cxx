@@ -254,9 +254,14 @@ void pqPalpateBodyView::Show(int node, vtkIdType body, int branch, const double*
   this->Take(filter, isKnown);
 }
 
-void pqPalpateBodyView::ShowPressed(const double* place)
+void pqPalpateBodyView::ShowPressed(const double* place, bool grew)
 {
   vtkSMProxy* filter = this->Filter->getProxy();
+  auto* object = grew ? vtkObject::SafeDownCast(filter->GetClientSideObject()) : nullptr;
+  if (object)
+  {
+    object->Modified();
+  }
   const bool isKnown = this->IsKnown();
   vtkSMPropertyHelper(filter, "ActiveNode").Set(static_cast<vtkIdType>(FirstOfSpace));
   vtkSMPropertyHelper(filter, "BodyNumber").Set(FirstBody);

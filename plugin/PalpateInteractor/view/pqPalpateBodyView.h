@@ -51,7 +51,8 @@ public:
   /// @param displacement The displacement of the node [3], m.
   void Show(int node, vtkIdType body, int branch, const double* displacement);
   /// @param place The place of the rigid tool [3], m.
-  void ShowPressed(const double* place);
+  /// @param grew Whether more of the space is known, so that the same place may look different.
+  void ShowPressed(const double* place, bool grew);
   /// @param coordinates All coordinates of the reduced body; none: the body is at rest.
   /// @param number The number of coordinates.
   void ShowReduced(const double* coordinates, unsigned int number);

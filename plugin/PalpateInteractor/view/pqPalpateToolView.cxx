@@ -131,8 +131,8 @@ void SetPolyData(vtkActor* actor, vtkPolyData* data, double offset)
 }
 }
 
-pqPalpateToolView::pqPalpateToolView(
-  vtkSMRenderViewProxy* view, const palpate::TouchSpace& space, const palpate::Touchable& body)
+pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
+  const palpate::Touchable& body, const std::vector<char>& pressable, double largestForce)
 {
   palpate::Vec3 low = space.surface.points.front();
   palpate::Vec3 high = low;
@@ -144,7 +144,6 @@ pqPalpateToolView::pqPalpateToolView(
   const double size = (high - low).norm();
 
   vtkNew<vtkPoints> points;
-  double largestForce = 0;
   const palpate::RigidTool* rigid = nullptr;
   for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
@@ -157,13 +156,6 @@ pqPalpateToolView::pqPalpateToolView(
     {
       points->InsertNextPoint(interaction.material_point.data());
     }
-    for (const palpate::ConfigurationSummary& configuration : toolSpace.configurations)
-    {
-      if (configuration.usable())
-      {
-        largestForce = std::max(largestForce, configuration.force.norm());
-      }
-    }
   }
   this->ArrowScale = largestForce > 0 ? LongestArrow * size / largestForce : 0;
   this->ShortestArrow = ::ShortestArrow * size;
@@ -173,8 +165,7 @@ pqPalpateToolView::pqPalpateToolView(
   if (rigid)
   {
     this->MakeRigidTool(*rigid);
-    this->MakeVeil(
-      space.surface, palpate::pressable_points(space.surface, *rigid, *body.force_on_tool()));
+    this->MakeVeil(space.surface, pressable);
   }
   else
   {

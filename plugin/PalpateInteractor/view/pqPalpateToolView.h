@@ -26,12 +26,13 @@ class vtkTextActor;
 class pqPalpateToolView
 {
 public:
-  pqPalpateToolView(
-    vtkSMRenderViewProxy* view, const palpate::TouchSpace& space, const palpate::Touchable& body);
+  /// @param pressable The points of the surface that a rigid tool can press; the others get a veil.
+  /// @param largestForce The usual largest force, N, which sets the length of the arrow.
+  pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
+    const palpate::Touchable& body, const std::vector<char>& pressable, double largestForce);
   /// Draws one tool of a reduced body.
   /// @param place The tool's place at rest [3], m.
   /// @param size The body's diagonal, m.
-  /// @param largestForce The usual largest force, N, which sets the length of the arrow.
   pqPalpateToolView(
     vtkSMRenderViewProxy* view, const palpate::Vec3& place, double size, double largestForce);
   ~pqPalpateToolView();

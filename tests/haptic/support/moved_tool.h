@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A tool that goes from body to body, as the servo loop moves it.
+// A tool that goes from body to body, as the servo loop moves it, a millisecond a move.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <utility>
 
@@ -13,7 +14,7 @@ class MovedTool {
  public:
   MovedTool() = default;
   /// A tool that is where the other one is.
-  MovedTool(const MovedTool& other) : body_(other.body_) {
+  MovedTool(const MovedTool& other) : body_(other.body_), time_(other.time_) {
     if (other.touch_ != nullptr) replace(body_, other.touch_.get());
   }
   MovedTool& operator=(const MovedTool&) = delete;
@@ -28,6 +29,8 @@ class MovedTool {
     if (touch_ == nullptr) return {};
     HandState hand;
     hand.place = place;
+    time_ += std::chrono::milliseconds(1);
+    hand.time = time_;
     hand.grasp = grasps ? Grasp::closed : Grasp::open;
     return touch_->move(hand, settings);
   }
@@ -46,6 +49,7 @@ class MovedTool {
   }
 
   const Touchable* body_ = nullptr;
+  Time time_{0};
   std::unique_ptr<Touch> touch_;
 };
 

@@ -173,6 +173,44 @@ TEST(Press, GoesOnInASpaceThatHasGrown) {
   EXPECT_EQ(p.at(below(0.003)).status, ContactStatus::inside) << "another body is come into";
 }
 
+TEST(Press, WhereTheSpaceBecomesKnownTheForceComesIn) {
+  const Vec3 place = below(0.003, Vec3(0.015, 0, 0));
+  for (const bool grows : {false, true}) {
+    TouchSettings settings;
+    settings.grows = grows;
+    Pressing p(settings, test::pressed_body(0.01));
+    (void)p.go(below(-0.003, Vec3(0.015, 0, 0)), place);
+    ASSERT_EQ(p.contact.status, ContactStatus::inside);
+    ASSERT_EQ(p.contact.force, Vec3::Zero());
+    p.body = Pressing::shared_body();
+    if (!grows) {
+      EXPECT_EQ(p.at(place).status, ContactStatus::inside);
+      continue;
+    }
+    const double full = exact_force(place).norm();
+    double before = 0;
+    for (int tick = 0; tick < 200; ++tick) {
+      ASSERT_EQ(p.at(place).status, ContactStatus::pressing);
+      const double force = p.contact.force.norm();
+      EXPECT_GE(force, before);
+      EXPECT_LT(force - before, 0.01 * full);
+      before = force;
+    }
+    EXPECT_LT((p.at(place).force - exact_force(place)).norm(), kInterpolated * full);
+  }
+}
+
+TEST(Press, WhatBeginsInsideASpaceThatGrowsIsNotThrownOut) {
+  TouchSettings settings;
+  settings.grows = true;
+  Pressing p(settings);
+  p.tool.release();
+  EXPECT_EQ(p.at(below(0.003)).status, ContactStatus::inside);
+  EXPECT_EQ(p.at(below(0.003)).status, ContactStatus::inside);
+  EXPECT_EQ(p.at(below(-0.003)).status, ContactStatus::free);
+  EXPECT_EQ(p.at(below(0.001)).status, ContactStatus::pressing);
+}
+
 TEST(Press, ACouplingIsInBalanceAndFeltNoStiffer) {
   TouchSettings settings;
   settings.coupling_stiffness = 800;
