@@ -321,7 +321,8 @@ struct vtkPalpateTouchStateSpace::Prepared
     }
     if (!this->Fields)
     {
-      this->Fields = std::make_unique<palpate::FieldCache>(this->Space.file, this->Space.scene_hash);
+      this->Fields =
+        std::make_unique<palpate::FieldCache>(this->Space.file, this->Space.scene_hash);
     }
     return *this->Fields;
   }
@@ -437,8 +438,8 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
   if (cache.Found.force)
   {
     touch = cache.Found.force->evaluate(t);
-    parts.push_back({ cache.Found.tool_space.get(), 1, &cache.Found.force->part(0),
-      &cache.LiveField, nullptr });
+    parts.push_back(
+      { cache.Found.tool_space.get(), 1, &cache.Found.force->part(0), &cache.LiveField, nullptr });
     return parts;
   }
   const std::vector<const TouchToolSpace*> pressing = cache.Space.list_pressing();

@@ -380,4 +380,5 @@ def number_of_states(space):
 
 # In the loop of events, as what a person does.
 QtCore.QTimer.singleShot(300, lambda: run_in_turn(
-    {"press": press, "looks": looks, "rub": rub, "grasp": grasp, "edge": edge, "grow": grow, "explore": explore}))
+    {"press": press, "looks": looks, "rub": rub, "grasp": grasp, "edge": edge, "grow": grow,
+     "explore": explore}))
