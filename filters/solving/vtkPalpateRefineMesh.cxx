@@ -364,13 +364,17 @@ void vtkPalpateRefineMesh::WarnOf(const palpate::AdaptedMesh& adapted)
   }
   if (adapted.end == palpate::AdaptationEnd::not_known)
   {
+    const std::string left = adapted.left.empty()
+      ? "."
+      : ", and not known on the finer meshes that were tried, of up to " +
+        std::to_string(adapted.left.back().num_cells) + " cells, which were left.";
     vtkPalpateWarn(this,
-      "The error of the force because of the mesh is " + text.str() +
-        ". Where it is not known, the tool found no equilibrium on the last meshes, or turned "
+      "The error of the force because of the mesh is " + text.str() + left +
+        " Where it is not known, the tool found no equilibrium on the last meshes, or turned "
         "cells inside out, or felt nothing, or its error is half of the force or more. Solve "
-        "Equilibrium shows which it is. A smaller Depth helps; a bonded tip has infinite strains "
-        "at its rim, so that small cells there are turned inside out where a rigid Tool would "
-        "press.");
+        "Equilibrium shows which it is. A smaller Depth or a larger MeshTolerance helps. At the "
+        "rim of what is fixed, and of a bonded tip, strains are infinite, so that small cells "
+        "there are turned inside out; a rigid Tool has no such rim.");
   }
 }
 

@@ -26,8 +26,11 @@ constexpr double kShareForError = 1.15;
 /// cells of the one before is not worth its solves.
 constexpr double kLeastGrowth = 1.1;
 
-/// A touch without a known error on so many meshes, one after the other, is given up.
+/// A touch without a known error on so many meshes, one after the other, is given up; the second,
+/// where it was known on a coarser one: finer ones will not help, as at the rim of what is held,
+/// where strains are infinite.
 constexpr int kMostUnknown = 3;
+constexpr int kMostUnknownAgain = 2;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -174,21 +177,49 @@ bool says_nothing(const std::vector<TouchOnMesh>& touches, const AdaptationRound
 void give_up(std::vector<AdaptationRound>& rounds) {
   AdaptationRound& last = rounds.back();
   last.is_given_up.assign(last.is_known.size(), 0);
-  if (rounds.size() < kMostUnknown) return;
   for (std::size_t i = 0; i < last.is_known.size(); ++i) {
-    const bool stays_unknown =
-        std::all_of(rounds.end() - kMostUnknown, rounds.end(),
-                    [&](const AdaptationRound& round) { return round.is_known[i] == 0; });
-    if (stays_unknown) last.is_given_up[i] = 1;
+    const auto is_known = [&](const AdaptationRound& round) { return round.is_known[i] != 0; };
+    const auto num_unknown =
+        std::find_if(rounds.rbegin(), rounds.rend(), is_known) - rounds.rbegin();
+    const bool was_known = num_unknown < static_cast<std::ptrdiff_t>(rounds.size());
+    if (num_unknown >= (was_known ? kMostUnknownAgain : kMostUnknown)) last.is_given_up[i] = 1;
+  }
+}
+
+/// Goes back to the finest of the meshes on which most touches are exact, and of these, known.
+/// @param start The scene on the first mesh.
+void leave_unknown_meshes(const Scene& start, const AdaptationOptions& options,
+                          AdaptedMesh& adapted) {
+  const auto score = [&](const AdaptationRound& round) {
+    std::ptrdiff_t exact = 0;
+    for (std::size_t i = 0; i < round.is_known.size(); ++i) exact += is_exact(round, i, options);
+    const auto known = std::count(round.is_known.begin(), round.is_known.end(), char{1});
+    return std::pair(exact, known);
+  };
+  auto& rounds = adapted.rounds;
+  const auto best = std::max_element(
+      rounds.rbegin(), rounds.rend(),
+      [&](const AdaptationRound& a, const AdaptationRound& b) { return score(a) < score(b); });
+  const auto kept = static_cast<std::size_t>(rounds.rend() - best);
+  if (kept == rounds.size()) return;
+  const auto first_left = rounds.begin() + static_cast<std::ptrdiff_t>(kept);
+  adapted.left.assign(first_left, rounds.end());
+  rounds.resize(kept);
+  adapted.refinements.resize(kept - 1);
+  adapted.chosen.resize(kept - 1);
+  adapted.scene = start;
+  for (const Refinement& refinement : adapted.refinements) {
+    adapted.scene = refined(adapted.scene, refinement);
   }
 }
 
 }  // namespace
 
-AdaptedMesh adapt_mesh(Scene scene, const AdaptationOptions& options, const TouchMesh& touch) {
+AdaptedMesh adapt_mesh(const Scene& scene, const AdaptationOptions& options,
+                       const TouchMesh& touch) {
   check(options);
   AdaptedMesh adapted;
-  adapted.scene = std::move(scene);
+  adapted.scene = scene;
   std::vector<TouchOnMesh> before;
   for (;;) {
     MeshHints hints;
@@ -221,6 +252,7 @@ AdaptedMesh adapt_mesh(Scene scene, const AdaptationOptions& options, const Touc
     if (all_done && all_known) return adapted;
     if (all_done || says_nothing(touches, round, options)) {
       adapted.end = AdaptationEnd::not_known;
+      leave_unknown_meshes(scene, options, adapted);
       return adapted;
     }
     std::vector<char> chosen;

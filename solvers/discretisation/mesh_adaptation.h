@@ -59,7 +59,7 @@ struct AdaptationRound {
   /// Whether a touch has cells that are divided in any case.
   std::vector<char> is_coarse;
   /// Whether a touch is given up, since its error was not known on several meshes, one after the
-  /// other.
+  /// other: where it was known on a coarser one, on two.
   std::vector<char> is_given_up;
 };
 
@@ -83,6 +83,9 @@ struct AdaptedMesh {
   std::vector<Refinement> refinements;
   /// The last one tells of the mesh of the scene above.
   std::vector<AdaptationRound> rounds;
+  /// Finer meshes that were left, since on them the error of some touch is not known that is known
+  /// on the mesh above.
+  std::vector<AdaptationRound> left;
   AdaptationEnd end = AdaptationEnd::reached;
 };
 
@@ -106,7 +109,7 @@ using TouchMesh = std::function<std::vector<TouchOnMesh>(const Scene&, const Mes
 /// bonded patch.
 /// @param scene A scene that was checked.
 /// @throws InputError an option is not valid.
-[[nodiscard]] AdaptedMesh adapt_mesh(Scene scene, const AdaptationOptions& options,
+[[nodiscard]] AdaptedMesh adapt_mesh(const Scene& scene, const AdaptationOptions& options,
                                      const TouchMesh& touch);
 
 }  // namespace palpate

@@ -24,6 +24,7 @@ add_arguments(parser)
 parser.add_argument("--tolerances", type=float, nargs="*", default=[0.05, 0.02, 0.01])
 parser.add_argument("--truth", type=float, default=0.007)
 parser.add_argument("--cells", type=int, default=4000, help="of the mesh whose force is corrected")
+parser.add_argument("--seconds", type=float, default=120, help="that a solve may take, s")
 arguments = parser.parse_args()
 
 
@@ -31,7 +32,8 @@ def refine(node, depth, tolerance, cells):
     """Cells, the force (N), the same less its estimated error, and whether that is known, on a
     mesh of this tolerance."""
     refined = ball(RefineMesh(Input=scene, ActiveNodes=[node], Depth=depth,
-                              MeshTolerance=tolerance, MaximumCells=cells), arguments)
+                              MeshTolerance=tolerance, MaximumCells=cells,
+                              MaximumSeconds=arguments.seconds), arguments)
     mesh = fetch(refined)
     rounds = servermanager.Fetch(refined, idx=1)
     last = [vtk_to_numpy(rounds.GetColumnByName(name))[-1]

@@ -207,6 +207,28 @@ TEST(MeshAdaptation, EndsWhereTheErrorStaysUnknown) {
   EXPECT_EQ(adapted.rounds.back().is_known[0], 0);
 }
 
+// As where the small cells at the rim of what is held are turned inside out.
+TEST(MeshAdaptation, GoesBackToTheFinestMeshOnWhichTheErrorIsKnown) {
+  int meshes = 0;
+  std::vector<Index> cells;
+  const AdaptedMesh adapted =
+      adapt_mesh(make_pressed_block(), {}, [&](const Scene& on, const MeshHints& /*hints*/) {
+        TouchOnMesh touch = made_up(on, 0.2);
+        touch.is_known = meshes++ < 3;
+        cells.push_back(on.body.mesh.num_cells());
+        return std::vector<TouchOnMesh>{touch};
+      });
+  EXPECT_EQ(adapted.end, AdaptationEnd::not_known);
+  EXPECT_EQ(meshes, 5);
+  ASSERT_EQ(adapted.rounds.size(), 3U);
+  EXPECT_EQ(adapted.rounds.back().is_known[0], 1);
+  EXPECT_EQ(adapted.scene.body.mesh.num_cells(), cells[2]);
+  EXPECT_EQ(adapted.refinements.size(), 2U);
+  EXPECT_EQ(adapted.chosen.size(), 2U);
+  ASSERT_EQ(adapted.left.size(), 2U);
+  EXPECT_EQ(adapted.left.back().num_cells, cells[4]);
+}
+
 // What the estimate does not see: a force that goes on changing.
 TEST(MeshAdaptation, GoesOnWhileTheForceChanges) {
   int meshes = 0;
