@@ -490,7 +490,8 @@ void vtkPalpateTouchStateSpace::FindWholeBody(Part& part, const double t[3])
   const palpate::Keep needed = this->WholeBody ? palpate::Keep::all
     : this->Stress                             ? palpate::Keep::surface
                                                : palpate::Keep::touch;
-  field->evaluate(palpate::Vec3(t), fields, needed, whole.Displacement, whole.Pressure);
+  const palpate::NearStates* near = cache.Found.force ? cache.Found.force->near_states() : nullptr;
+  field->evaluate(palpate::Vec3(t), fields, needed, whole.Displacement, whole.Pressure, near);
   if (whole.Displacement.size() == 0)
   {
     whole.Displacement.setZero(3 * static_cast<Eigen::Index>(whole.Body().mesh().num_points()));

@@ -25,6 +25,8 @@ namespace {
 constexpr double kBetweenPoses = 0.01;
 /// The least time between two bodies that are given out, s.
 constexpr double kBetweenBodies = 0.03;
+/// Where there is no cell yet, configurations are used that are so many sides of a cell away.
+constexpr double kReach = 1.25;
 /// How long the thread leaves the session to those who show the body.
 constexpr std::chrono::milliseconds kPause{1};
 
@@ -77,6 +79,8 @@ struct HandExploration::Impl {
         keys(options.keys),
         hub(keys.path(), options.endpoint),
         explorers(find_explorer(), options.num_explorers, keys.path(), hub.endpoint()) {
+    const Grid& grid = session.job().setup.grid;
+    touch.interpolation.reach_of_states = kReach * grid.coarsest * grid.spacing();
     hub.explore_for(&session);
   }
 

@@ -31,6 +31,7 @@ TouchResult Press::answer(const ToolForce& force, double coupling) noexcept {
 
 bool Press::is_free(const ToolForce& force) const noexcept {
   using Place = CheckPointGrid::Place;
+  if (force.expands(place_)) return true;
   const Interpolator& here = force.at(place_);
   const Interpolator::Location at = here.locate(place_);
   return at.place == Place::free || (at.place == Place::cell && !here.grid().is_unknown(at.leaf));
@@ -46,6 +47,7 @@ Contact Press::miss(Support support) noexcept {
 }
 
 bool Press::is_known(const ToolForce& force, const Vec3& push) const noexcept {
+  if (force.expands(place_)) return true;
   const Interpolator& here = force.at(place_);
   const CheckPointGrid::Location at = here.locate(place_);
   if (at.place == CheckPointGrid::Place::cell) return true;

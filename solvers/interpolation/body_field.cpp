@@ -40,16 +40,30 @@ void BodyField::add_node(std::int32_t node, double a, const Vec3& d, Weights& we
                       });
 }
 
-Support BodyField::evaluate(const Vec3& t, FieldSource& fields, Keep needed, NodalVector& u,
-                            NodalVector& p) const {
-  u.resize(0);
-  p.resize(0);
+Support BodyField::find_weights(const Vec3& t, const NearStates* near, Weights& weights) const {
+  using Place = CheckPointGrid::Place;
   const CheckPointGrid::Location at = grid_.locate(t);
+  const bool is_beside = at.place == Place::beside_cell || at.place == Place::nowhere;
+  if (is_beside && near != nullptr && near->reaches(t)) {
+    near->visit(t, [&](std::int32_t configuration, double a, const Vec3& d) {
+      weights[configuration] = {a, a * d};
+    });
+    return Support::extrapolated;
+  }
   if (at.support == Support::none) return Support::none;
-  Weights weights;
   for_each_node(grid_, at, [&](std::int32_t node, double a, const Vec3& d) {
     if (a != 0 || !d.isZero(0)) add_node(node, a, d, weights);
   });
+  return at.support;
+}
+
+Support BodyField::evaluate(const Vec3& t, FieldSource& fields, Keep needed, NodalVector& u,
+                            NodalVector& p, const NearStates* near) const {
+  u.resize(0);
+  p.resize(0);
+  Weights weights;
+  const Support support = find_weights(t, near, weights);
+  if (support == Support::none) return Support::none;
   for (auto weight = weights.begin(); weight != weights.end();) {
     weight = touches(weight->first) ? std::next(weight) : weights.erase(weight);
   }
@@ -68,7 +82,7 @@ Support BodyField::evaluate(const Vec3& t, FieldSource& fields, Keep needed, Nod
     p.resize(0);
     return Support::none;
   }
-  return at.support;
+  return support;
 }
 
 }  // namespace palpate

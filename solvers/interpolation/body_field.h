@@ -9,6 +9,7 @@
 
 #include "fields/field_source.h"
 #include "interpolation/interpolator.h"
+#include "interpolation/near_states.h"
 
 namespace palpate {
 
@@ -30,8 +31,10 @@ class BodyField {
   /// @param p Pressures [num_pressures], Pa; empty if the body has none. Both u and p are empty if
   ///   the support is `none`, or if no configuration of the tool space touches the body.
   /// @throws InputError, BackendError as FieldSource::add_up.
-  Support evaluate(const Vec3& t, FieldSource& fields, Keep needed, NodalVector& u,
-                   NodalVector& p) const;
+  /// @param near Of the same tool space, as the force has them: where there is no cell, the
+  ///   configurations around give the displacement too. Null: the nearest cell is continued.
+  Support evaluate(const Vec3& t, FieldSource& fields, Keep needed, NodalVector& u, NodalVector& p,
+                   const NearStates* near = nullptr) const;
 
  private:
   struct Weight {
@@ -41,6 +44,8 @@ class BodyField {
   /// Weights by configuration.
   using Weights = std::map<std::int32_t, Weight>;
   [[nodiscard]] bool touches(std::int32_t configuration) const;
+  /// The weights at t, and how far they can be trusted.
+  [[nodiscard]] Support find_weights(const Vec3& t, const NearStates* near, Weights& weights) const;
   /// Adds a u + v d of a node to the weights.
   void add_node(std::int32_t node, double a, const Vec3& d, Weights& weights) const;
 

@@ -76,6 +76,9 @@ struct InterpolationOptions {
   /// Energy Hermite: whether Π + ΔΠ is interpolated where the estimates of the error of the mesh
   /// allow it (mesh_error_field.h), so that the force is closer to that of a finer mesh.
   bool correct_mesh_error = true;
+  /// A rigid tool: how far from a configuration its expansion is used where there is no cell, m;
+  /// 0: the nearest cell is continued (near_states.h).
+  double reach_of_states = 0;
 };
 
 /// What is known of the error that the mesh makes in a force. The numbers are stored in data arrays

@@ -7,6 +7,13 @@
 #include "base/error.h"
 
 namespace palpate {
+namespace {
+
+/// How far beside a cell its continuation goes over into what the configurations around say, in
+/// sides of the cell.
+constexpr double kGoesOver = 0.5;
+
+}  // namespace
 
 std::optional<RegionWeights> region_weights(const std::vector<const TouchToolSpace*>& tool_spaces) {
   std::vector<MeshRegion> regions;
@@ -28,6 +35,7 @@ ToolForce::ToolForce(const std::vector<const TouchToolSpace*>& tool_spaces, Meth
   for (const TouchToolSpace* space : tool_spaces) {
     parts_.push_back({space->setup.key(), make_interpolator(method, *space, options)});
   }
+  make_near_states(*tool_spaces.front());
 }
 
 ToolForce::ToolForce(const ToolForce& before, const std::vector<const TouchToolSpace*>& tool_spaces,
@@ -45,10 +53,31 @@ ToolForce::ToolForce(const ToolForce& before, const std::vector<const TouchToolS
     parts_.push_back({key, make_interpolator(method_, *space, options_,
                                              is_known ? known->force.get() : nullptr, changed)});
   }
+  make_near_states(*tool_spaces.front());
+}
+
+void ToolForce::make_near_states(const TouchToolSpace& tool_space) {
+  if (weights_ || !(options_.reach_of_states > 0)) return;
+  near_ = std::make_shared<const NearStates>(tool_space.configurations, options_.reach_of_states);
+}
+
+TouchResult ToolForce::evaluate_only(const Vec3& x) const noexcept {
+  const Interpolator& only = *parts_.front().force;
+  if (!expands(x)) return only.evaluate(x);
+  const TouchResult expanded = near_->evaluate(x);
+  const CheckPointGrid::Location at = only.locate(x);
+  if (at.place != CheckPointGrid::Place::beside_cell) return expanded;
+  const double share = std::min(1.0, at.offset.norm() / (kGoesOver * only.cell_side(at)));
+  if (share >= 1) return expanded;
+  TouchResult sum = TouchResult::empty_sum();
+  sum.add(share, expanded);
+  sum.add(1 - share, only.evaluate(x));
+  sum.support = Support::extrapolated;
+  return sum;
 }
 
 TouchResult ToolForce::evaluate(const Vec3& x) const noexcept {
-  if (!weights_) return parts_.front().force->evaluate(x);
+  if (!weights_) return evaluate_only(x);
   if (!x.allFinite()) return {};
   TouchResult sum = TouchResult::empty_sum();
   Vec3 of_transition = Vec3::Zero();
@@ -69,6 +98,10 @@ void ToolForce::add_memory(MemoryRanges& ranges) const {
   palpate::add_memory(parts_, ranges);
   if (weights_) weights_->add_memory(ranges);
   for (const Part& part : parts_) part.force->add_memory(ranges);
+  if (near_ != nullptr) {
+    ranges.push_back({near_.get(), sizeof *near_});
+    near_->add_memory(ranges);
+  }
 }
 
 }  // namespace palpate

@@ -10,6 +10,9 @@
 //
 // Where a neighbour has no cell, as in a space that is not complete, its part of the band belongs
 // to the others: the force has a step there, as at any border of what is known.
+//
+// On request, in a space without regions, the force where there is no cell comes from single
+// configurations around (near_states.h). Within half a cell beside a cell it goes over into that.
 #pragma once
 
 #include <memory>
@@ -17,6 +20,7 @@
 #include <vector>
 
 #include "interpolation/interpolator.h"
+#include "interpolation/near_states.h"
 #include "interpolation/region_weights.h"
 
 namespace palpate {
@@ -57,6 +61,17 @@ class ToolForce {
     return at(x).locate(x).place == CheckPointGrid::Place::cell;
   }
 
+  /// Whether a place is in no cell, and its force comes from configurations around.
+  /// @note Realtime-safe.
+  [[nodiscard]] bool expands(const Vec3& x) const noexcept {
+    using Place = CheckPointGrid::Place;
+    if (near_ == nullptr) return false;
+    const Place place = parts_.front().force->locate(x).place;
+    return (place == Place::beside_cell || place == Place::nowhere) && near_->reaches(x);
+  }
+  /// The configurations around; nullptr: they are not used.
+  [[nodiscard]] const NearStates* near_states() const { return near_.get(); }
+
   /// Calls visit(part, weight) for each of the tool spaces that have a weight at a place: its
   /// number in the list that the constructor was given.
   /// @note Realtime-safe.
@@ -74,6 +89,10 @@ class ToolForce {
   void add_memory(MemoryRanges& ranges) const;
 
  private:
+  void make_near_states(const TouchToolSpace& tool_space);
+  /// The force where there is one tool space.
+  [[nodiscard]] TouchResult evaluate_only(const Vec3& x) const noexcept;
+
   struct Part {
     ToolSpaceKey key;
     std::shared_ptr<const Interpolator> force;
@@ -117,6 +136,7 @@ class ToolForce {
   std::vector<Part> parts_;
   /// Nothing: there is one tool space, for the whole organ.
   std::optional<RegionWeights> weights_;
+  std::shared_ptr<const NearStates> near_;
 };
 
 /// The weights of tool spaces of a rigid tool; nothing where there is one, for the whole organ.

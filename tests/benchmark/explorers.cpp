@@ -7,8 +7,9 @@
 //   palpate_benchmark_explorers space.palpate build/bin/palpate-explore [--explorers 2]
 //       [--speed 30] [--extent 80] [--seconds 20] [--seed 1] [--spacing 8] [--depth 8] [--force 0]
 //
-// The scene and the tool are those of the file; its configurations are not used. Lengths are in mm,
-// the speed is in mm/s, the force in N.
+// The scene and the tool are those of the file. If it has a complete space, that tells how wrong
+// the force is, in cells that are computed and outside of them, where configurations around give
+// it. Lengths are in mm, the speed is in mm/s, the force in N.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -19,6 +20,8 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "base/clock.h"
 #include "base/error.h"
@@ -28,7 +31,9 @@
 #include "explorers/keys.h"
 #include "explorers/local_explorers.h"
 #include "interaction/interaction_spec.h"
+#include "interpolation/tool_force.h"
 #include "storage/state_space_file.h"
+#include "storage/stored_touch_space.h"
 
 namespace palpate {
 namespace {
@@ -39,6 +44,63 @@ const std::map<std::string, double> kDefaults{{"explorers", 2}, {"speed", 30}, {
 
 /// The time between two poses that the session hears of, s.
 constexpr double kBetweenPoses = 0.01;
+
+/// The force that is felt, beside that of a complete space.
+class Felt {
+ public:
+  /// @param reach ToolForce's.
+  Felt(const StateSpaceFile& file, TouchSpace begun, double reach)
+      : space_(std::move(begun)), whole_(make_touch_space_without_modes(file)) {
+    options_.reach_of_states = reach;
+    exact_ = std::make_unique<ToolForce>(whole_.list_pressing(), Method::energy_hermite);
+  }
+  void take(const SpaceChunk& chunk) {
+    palpate::take(chunk, space_);
+    force_ = std::make_unique<ToolForce>(space_.list_pressing(), Method::energy_hermite, options_);
+  }
+  void feel(const Vec3& place) {
+    const TouchResult exact = exact_->evaluate(place);
+    if (exact.support != Support::inside || exact.force.isZero(0)) return;
+    const bool is_known = force_ && force_->has_cell(place);
+    const bool is_near = force_ && force_->expands(place);
+    sizes_.push_back(exact.force.norm());
+    if (!is_known && !is_near) return;
+    (is_known ? in_cells_ : beside_)
+        .push_back((force_->evaluate(place).force - exact.force).norm());
+  }
+  /// Of the ticks in which something is to be felt.
+  void print() {
+    if (sizes_.empty()) return;
+    const double usual = quantile(sizes_, 0.9);
+    const auto all = static_cast<double>(sizes_.size());
+    std::printf(
+        "\n| force | share of ticks, %% | error, %% of %.2f N: median | 90 %% "
+        "|\n|---|---|---|---|\n",
+        usual);
+    for (const auto& [name, errors] : {std::pair("in computed cells", &in_cells_),
+                                       std::pair("from configurations around", &beside_)}) {
+      std::printf("| %s | %.1f | %.1f | %.1f |\n", name,
+                  100 * static_cast<double>(errors->size()) / all,
+                  100 * quantile(*errors, 0.5) / usual, 100 * quantile(*errors, 0.9) / usual);
+    }
+  }
+
+ private:
+  static double quantile(std::vector<double>& values, double share) {
+    if (values.empty()) return 0;
+    std::sort(values.begin(), values.end());
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+  }
+
+  TouchSpace space_;
+  TouchSpace whole_;
+  InterpolationOptions options_;
+  std::unique_ptr<ToolForce> exact_;
+  std::unique_ptr<ToolForce> force_;
+  std::vector<double> sizes_;
+  std::vector<double> in_cells_;
+  std::vector<double> beside_;
+};
 
 int run(const std::string& path, const std::string& program, const Arguments& arguments) {
   const StateSpaceFile file = StateSpaceFile::open_read_only(path);
@@ -75,6 +137,7 @@ int run(const std::string& path, const std::string& program, const Arguments& ar
   const Vec3 middle = clearance->approach(session.first_hand().place).touched;
   PalpatingHand hand(*clearance, middle, 1e-3 * arguments["extent"], 1e-3 * arguments["speed"],
                      static_cast<unsigned>(arguments["seed"]));
+  Felt felt(file, session.empty_space(), 1.25 * cells.side());
   std::map<CheckPoint, char> known;
   long in_shell = 0;
   long in_known = 0;
@@ -95,6 +158,7 @@ int run(const std::string& path, const std::string& program, const Arguments& ar
       session.follow(HandPrediction(motion));
       if (hub.exchange()) {
         while (const auto chunk = session.take_chunk()) {
+          felt.take(*chunk);
           for (const ToolSpaceChunk& part : chunk->tool_spaces) {
             for (const ConfigurationSummary& c : part.configurations) known[c.check_point] = 1;
           }
@@ -102,6 +166,7 @@ int run(const std::string& path, const std::string& program, const Arguments& ar
       }
       (void)explorers.watch();
     }
+    if (time > 1) felt.feel(motion.place);
     const CheckPoint numbers = cells.numbers_of(motion.place);
     if (!cells.holds(numbers)) continue;
     const Cell cell = cells.root(numbers);
@@ -128,6 +193,7 @@ int run(const std::string& path, const std::string& program, const Arguments& ar
               arguments["speed"], 100.0 * static_cast<double>(in_known) / std::max(1L, in_shell),
               longest_miss, prepared, first_cell, static_cast<long long>(figures.num_solved),
               1e3 * figures.seconds / std::max<double>(1, static_cast<double>(figures.num_solved)));
+  felt.print();
   std::filesystem::remove_all(folder);
   return EXIT_SUCCESS;
 }

@@ -64,8 +64,9 @@ inline TouchSpace pressed_space(double width = kPressedWidth) {
   return space;
 }
 
-inline std::shared_ptr<const Touchable> pressed_body(double width = kPressedWidth) {
-  return std::make_shared<const Touchable>(pressed_space(width));
+inline std::shared_ptr<const Touchable> pressed_body(double width = kPressedWidth,
+                                                     const TouchableOptions& options = {}) {
+  return std::make_shared<const Touchable>(pressed_space(width), options);
 }
 
 }  // namespace palpate::test

@@ -200,6 +200,31 @@ TEST(Press, WhereTheSpaceBecomesKnownTheForceComesIn) {
   }
 }
 
+TEST(Press, WhereConfigurationsAreNearThereIsAForceWithoutACell) {
+  TouchableOptions options;
+  options.interpolation.reach_of_states = 2 * test::kPressedCell;
+  Pressing p({}, test::pressed_body(0.01, options));
+  const Vec3 away(0.01 + 1.2 * test::kPressedCell, 0, 0);
+  (void)p.go(below(-0.003, away), below(0.003, away));
+  ASSERT_EQ(p.contact.status, ContactStatus::pressing);
+  EXPECT_EQ(p.contact.support, Support::extrapolated);
+  const Vec3 exact = exact_force(below(0.003, away));
+  EXPECT_LT((p.contact.force - exact).norm(), 0.1 * exact.norm());
+  // Into the cells, and out of all that is known.
+  const double most = 0.1 * exact.norm();
+  Vec3 before = p.contact.force;
+  for (double x = away[0]; x > 0; x -= 1e-4) {
+    (void)p.at(below(0.003, Vec3(x, 0, 0)));
+    ASSERT_EQ(p.contact.status, ContactStatus::pressing);
+    EXPECT_LT((p.contact.force - before).norm(), most) << x;
+    before = p.contact.force;
+  }
+  EXPECT_EQ(p.contact.support, Support::inside);
+  (void)p.go(below(0.003), below(0.003, Vec3(0.01 + 3 * test::kPressedCell, 0, 0)));
+  EXPECT_EQ(p.contact.status, ContactStatus::inside);
+  EXPECT_EQ(p.contact.force, Vec3::Zero());
+}
+
 TEST(Press, WhatBeginsInsideASpaceThatGrowsIsNotThrownOut) {
   TouchSettings settings;
   settings.grows = true;
