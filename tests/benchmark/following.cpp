@@ -72,10 +72,9 @@ class Bench {
       mean += pressed.back();
     }
     mean /= static_cast<double>(pressed.size());
-    const Vec3 middle =
-        *std::min_element(pressed.begin(), pressed.end(), [&](const Vec3& a, const Vec3& b) {
-          return (a - mean).norm() < (b - mean).norm();
-        });
+    const Vec3 middle = *std::min_element(
+        pressed.begin(), pressed.end(),
+        [&](const Vec3& a, const Vec3& b) { return (a - mean).norm() < (b - mean).norm(); });
     std::printf("| hand, mm/s |");
     for (const int cores : kCores) std::printf(" %d |", cores);
     std::printf("\n|---|");
