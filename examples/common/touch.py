@@ -2,8 +2,8 @@
 """Makes the body of an organ.py in ParaView's window, to be touched while its space is explored
 around the hand.
 
-Sample run, with both plugins loaded (PV_PLUGIN_PATH), the folder of an organ.py first in PYTHONPATH,
-and a folder for the space; examples/touch does it:
+Sample run, with both plugins loaded (PV_PLUGIN_PATH), the folder of an organ.py first in
+PYTHONPATH, and a folder for the space; examples/touch does it:
     PYTHONPATH=../palpation PALPATE_SPACE_FOLDER=folder paraview --script=touch.py
 """
 import os

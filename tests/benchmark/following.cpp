@@ -32,8 +32,8 @@ namespace {
 
 const std::map<std::string, double> kDefaults{{"extent", 80}, {"seconds", 20}, {"seed", 1}};
 
-constexpr double kSpeeds[] = {0.01, 0.03, 0.1};
-constexpr int kCores[] = {1, 2, 4, 8};
+constexpr double kSpeeds[] = {0.01, 0.03, 0.1, 0.2, 0.4};
+constexpr int kCores[] = {1, 2, 4, 8, 32, 128, 1024};
 class Bench {
  public:
   explicit Bench(const std::string& path) : file_(StateSpaceFile::open_read_only(path)) {

@@ -35,6 +35,11 @@ constexpr double HandRoom = 2;
 constexpr double MiddleOfMean = 1.5;
 constexpr double Pi = 3.14159265358979323846;
 
+/// What is said of a force that is extrapolated: in a space that is as large as it will be, and in
+/// one that is explored around the hand.
+constexpr const char* Beyond = "beyond the space";
+constexpr const char* Estimated = "estimated, being computed";
+
 QString Words(palpate::ContactStatus status)
 {
   switch (status)
@@ -62,7 +67,7 @@ QString Words(palpate::Support support)
     case palpate::Support::inside:
       return "inside the space";
     case palpate::Support::extrapolated:
-      return "beyond the space";
+      return Beyond;
     case palpate::Support::marked:
       return "in a marked region";
   }
@@ -210,7 +215,8 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
     vtkSMRenderViewProxy* view = this->View->getRenderViewProxy();
     const palpate::TouchToolSpace* rigid = space.find_pressing();
     this->Tool = std::make_unique<pqPalpateToolView>(view, space, *this->Body, this->Pressable,
-      this->Exploration ? this->Exploration->Expected(*rigid).force : LargestForce(space));
+      this->Exploration ? this->Exploration->Expected(*rigid).force : LargestForce(space),
+      this->Exploration ? Estimated : Beyond);
     if (const auto& motion = this->Hand.Motion)
     {
       std::unique_ptr<pqPalpateMouse> mouse;
@@ -570,9 +576,16 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
   if (tick.contact.status == palpate::ContactStatus::pressing && session.Body->force_on_tool())
   {
     figures.Support = Words(tick.contact.support);
-    const Vec3 push = -tick.contact.force.stableNormalized();
-    figures.DepthLeft = palpate::depth_left(
-      *session.Body->force_on_tool(), tick.contact.anchor, push, 2 * session.Deepest);
+    if (session.Exploration && tick.contact.support == palpate::Support::extrapolated)
+    {
+      figures.Support = Estimated;
+    }
+    else
+    {
+      const Vec3 push = -tick.contact.force.stableNormalized();
+      figures.DepthLeft = palpate::depth_left(
+        *session.Body->force_on_tool(), tick.contact.anchor, push, 2 * session.Deepest);
+    }
   }
   addRecorded(session.Hand, figures);
   figures.Problem = QString::fromStdString(servo.problem());

@@ -82,16 +82,18 @@ void SetStyle(vtkTextActor* text, int size)
 }
 
 /// @param towards Cosine of the angle between the force and the way to the person.
-std::string InNumbers(const palpate::Contact& contact, double force, double depth, double towards)
+/// @param beyond What is said of a force that is extrapolated.
+std::string InNumbers(const palpate::Contact& contact, double force, double depth, double towards,
+  const std::string& beyond)
 {
   const bool presses = contact.status == palpate::ContactStatus::pressing;
   char text[160];
   const char* way = towards > EndOn ? " towards you" : towards < -EndOn ? " away from you" : "";
-  const char* where = contact.support == palpate::Support::marked ? "\n in a marked region "
-    : contact.support == palpate::Support::extrapolated           ? "\n beyond the space "
-                                                                  : "";
+  const std::string where = contact.support == palpate::Support::marked ? "\n in a marked region "
+    : contact.support == palpate::Support::extrapolated                 ? "\n " + beyond + " "
+                                                                        : std::string();
   std::snprintf(text, sizeof text, " %.*f N%s \n %.1f mm %s %s", force < SmallForce ? 3 : 2, force,
-    way, 1e3 * depth, presses ? "deep" : "moved", where);
+    way, 1e3 * depth, presses ? "deep" : "moved", where.c_str());
   return text;
 }
 
@@ -132,7 +134,9 @@ void SetPolyData(vtkActor* actor, vtkPolyData* data, double offset)
 }
 
 pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
-  const palpate::Touchable& body, const std::vector<char>& pressable, double largestForce)
+  const palpate::Touchable& body, const std::vector<char>& pressable, double largestForce,
+  const char* beyond)
+  : Beyond(beyond)
 {
   palpate::Vec3 low = space.surface.points.front();
   palpate::Vec3 high = low;
@@ -378,7 +382,7 @@ void pqPalpateToolView::ShowForce(
       ? palpate::Vec3(this->Renderer->GetActiveCamera()->GetDirectionOfProjection())
       : palpate::Vec3::Zero();
     const double towards = force > 0 ? -sight.dot(contact.force) / force : 0;
-    this->Numbers->SetInput(InNumbers(contact, force, depth, towards).c_str());
+    this->Numbers->SetInput(InNumbers(contact, force, depth, towards, this->Beyond).c_str());
     this->PlaceNumbers(place);
   }
   if (!this->Arrow->GetVisibility())

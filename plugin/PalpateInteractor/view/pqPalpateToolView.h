@@ -28,8 +28,10 @@ class pqPalpateToolView
 public:
   /// @param pressable The points of the surface that a rigid tool can press; the others get a veil.
   /// @param largestForce The usual largest force, N, which sets the length of the arrow.
+  /// @param beyond What is said of a force that is extrapolated.
   pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
-    const palpate::Touchable& body, const std::vector<char>& pressable, double largestForce);
+    const palpate::Touchable& body, const std::vector<char>& pressable, double largestForce,
+    const char* beyond);
   /// Draws one tool of a reduced body.
   /// @param place The tool's place at rest [3], m.
   /// @param size The body's diagonal, m.
@@ -77,6 +79,7 @@ private:
   /// Force and depth in numbers, and the place of the tool beside which they stand.
   vtkNew<vtkTextActor> Numbers;
   vtkNew<vtkCoordinate> NumbersPlace;
+  std::string Beyond;
   /// Length of the arrow for a newton of the body, m.
   double ArrowScale = 0;
   /// The least length of the arrow, m.

@@ -137,6 +137,24 @@ TEST_F(HandExplorationTest, ASpaceThatIsBegunHasAPlaceWhereItsToolIs) {
   EXPECT_NO_THROW((void)StateSpaceFile::open_read_only(options_.space.file));
 }
 
+TEST(MayBePressed, AnEdgeWhoseEndsMay) {
+  Block block = make_block(Law::neo_hookean, {ElementOrder::quadratic, {2, 1, 1}});
+  Body& body = block.scene.body;
+  for (Index c = 0; c < body.mesh.num_cells(); ++c) {
+    for (int edge = 0; edge < 6; ++edge) body.touchable[body.mesh.cell(c)[4 + edge]] = 0;
+  }
+  const Surface surface = make_surface(body.mesh);
+  const std::vector<char> may = may_be_pressed(surface, block.scene, {});
+  for (const auto& [a, b, c] : surface.triangles) {
+    const bool is_free = body.fixed[surface.mesh_points[a]] == 0 &&
+                         body.fixed[surface.mesh_points[b]] == 0 &&
+                         body.fixed[surface.mesh_points[c]] == 0;
+    if (is_free && block.scene.body.mesh.points[surface.mesh_points[a]].x() > 0.06) {
+      EXPECT_TRUE(may[a] != 0 && may[b] != 0 && may[c] != 0);
+    }
+  }
+}
+
 TEST_F(HandExplorationTest, AMissingProgramIsOneError) {
   setenv("PALPATE_EXPLORE", "/nowhere/palpate-explore", 1);
   try {
