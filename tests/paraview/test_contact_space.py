@@ -130,6 +130,32 @@ def test_file():
     assert field(found, "Rounds")[0] > 0
 
 
+def test_around_the_hand():
+    """One configuration is found, and a run of the whole space goes on with it."""
+    boundary = scene("contact_space_around")
+    for name in glob.glob("contact_around.palpate*"):
+        os.remove(name)
+    around = {"Exploration": "Around The Hand", "FileName": "contact_around.palpate"}
+    space = space_of(boundary, **around)
+    found = expect_silence(lambda: configurations(space))
+    assert found.GetNumberOfPoints() == 1 and field(found, "Complete")[0] == 0
+    touch = TouchStateSpace(Input=space, ToolPosition=ABOVE)
+    expect_silence(touch.UpdatePipeline)
+    # The second time nothing is solved for.
+    space.LogInterval = 1
+    assert (rows(expect_silence(lambda: configurations(space))) == rows(found)).all()
+    whole = space_of(boundary, FileName="contact_around.palpate")
+    complete = expect_silence(lambda: configurations(whole))
+    assert field(complete, "Reused")[0] == 1 and field(complete, "Complete")[0] == 1
+    in_memory = rows(expect_silence(lambda: configurations(space_of(boundary))))
+    assert numpy.abs(rows(complete) - in_memory)[:, :9].max() < 1e-6
+    for words, settings in (("FileName", {"FileName": ""}),
+                            ("MeshTolerance", {"MeshTolerance": 0.1}),
+                            ("Graspable", {"Graspable": 1, "ActiveNodes": [0]})):
+        expect_error(space_of(boundary, **(around | settings)).UpdatePipeline, words,
+                     "set Exploration to Whole Space")
+
+
 def test_touch():
     boundary = scene("contact_space_touch")
     space = space_of(boundary, FileName="contact_touch.palpate", ThirdDerivatives=1,
