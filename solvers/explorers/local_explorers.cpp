@@ -23,10 +23,17 @@ constexpr double kBetweenStarts = 0.5;
 }  // namespace
 
 LocalExplorers::LocalExplorers(const std::filesystem::path& program, int number,
-                               const std::filesystem::path& keys, const std::string& endpoint)
-    : arguments_{
-          program.string(),         "--keys", keys.string(), "--connect", endpoint, "--parent",
-          std::to_string(getpid()), "--nice", "15"} {
+                               const std::filesystem::path& keys, const std::string& endpoint,
+                               int niceness)
+    : arguments_{program.string(),
+                 "--keys",
+                 keys.string(),
+                 "--connect",
+                 endpoint,
+                 "--parent",
+                 std::to_string(getpid()),
+                 "--nice",
+                 std::to_string(niceness)} {
   if (number <= 0) number = std::max(1, num_usable_cores() - 1);
   processes_.resize(static_cast<std::size_t>(number));
   try {

@@ -15,12 +15,17 @@ namespace palpate {
 
 class LocalExplorers {
  public:
+  /// How far they step back behind other programs by default.
+  static constexpr int kNiceness = 15;
+
   /// @param program The path of palpate-explore.
   /// @param number How many; 0 or less: one less than there are cores, but at least one.
   /// @param endpoint Where the hub listens.
+  /// @param niceness From 0, that of this program, to 19.
   /// @throws BackendError the program cannot be started.
   LocalExplorers(const std::filesystem::path& program, int number,
-                 const std::filesystem::path& keys, const std::string& endpoint);
+                 const std::filesystem::path& keys, const std::string& endpoint,
+                 int niceness = kNiceness);
   ~LocalExplorers();
   LocalExplorers(const LocalExplorers&) = delete;
   LocalExplorers& operator=(const LocalExplorers&) = delete;

@@ -48,8 +48,8 @@ class ExplorersTest : public testing::Test {
     hub_->explore_for(session_.get());
   }
   void start(int number) {
-    explorers_ =
-        std::make_unique<LocalExplorers>(PALPATE_EXPLORE, number, folder_.path(), hub_->endpoint());
+    explorers_ = std::make_unique<LocalExplorers>(PALPATE_EXPLORE, number, folder_.path(),
+                                                  hub_->endpoint(), 0);
   }
   /// Exchanges until a condition holds.
   template <class Condition>
