@@ -309,6 +309,8 @@ void vtkPalpateRefineMesh::Refine(const palpate::Scene& scene, Touches& touches,
     Eigen::Map<const Eigen::Matrix<char, Eigen::Dynamic, 1>>(
       last.is_known.data(), static_cast<Eigen::Index>(last.is_known.size()))
       .cast<int>());
+  touches.Unknowns.resize(adapted.rounds.size());
+  touches.Seconds.resize(adapted.rounds.size());
   table->ShallowCopy(TableOf(adapted.rounds, touches.Unknowns, touches.Seconds));
   this->WarnOf(adapted);
 }

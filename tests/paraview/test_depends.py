@@ -215,6 +215,8 @@ OF_BONDED = {"TipRadius": 0.11, "HalfWidth": 0.012, "Resolution": 5, "Tolerance"
              "DisplacementBound": 0.1}
 OF_RIGID = {"UseToolRegion": 0, "ToolRegion": {"Center": [0.21, 0.1, 0.1]}, "Depth": 0.004,
             "Spacing": 0.02, "BeginAt": [0.1, 0, 0], "MaximumConfigurations": 10}
+# How much is found before the body is touched.
+BEFORE = {"Exploration": "Around The Hand"}
 OF_TOOL = {"Tool.Radius": 0.04, "Tool.Axis": [0, 1, 0], "Tool.Length": 0.02,
            "Tool.ContactThickness": 0.008, "Tool.ContactStiffness": 3000}
 
@@ -228,7 +230,7 @@ def test_bonded_space():
                                     Resolution=3, LogInterval=0)
 
     changes = {**OF_BOTH, **OF_BONDED, "ActiveNodes": [other]}
-    assert set(changeable(make())) == set(changes) | set(OF_RIGID) | NO_EFFECT | {
+    assert set(changeable(make())) == set(changes) | set(OF_RIGID) | set(BEFORE) | NO_EFFECT | {
         "Input", "Tool", "ToolSurface"}
     # Each of the others is without a meaning here, or does not change what is found.
     assert check_properties(make, changes) == set(changes) - {
@@ -253,7 +255,7 @@ def test_rigid_space():
     tool = make().Tool
     assert {"Tool." + name for name in changeable(tool)} == {*OF_TOOL, "Tool.Motion"}
     changes = {**OF_BOTH, **OF_RIGID, **OF_TOOL, "Tool": "Sphere"}
-    assert check_properties(make, changes) == set(changes) - {
+    assert check_properties(make, changes | BEFORE) == set(changes | BEFORE) - {
         "BeginAt", "Keep", "MaximumSeconds", *OF_REGIONS}
     assert check_file(make, changes, "rigid.palpate") == set(changes) - {
         "BeginAt", "Depth", "EstimateMeshError", "ForceLimit", "MaximumSeconds",
