@@ -351,7 +351,7 @@ def explore():
 
     waited = press_until_felt()
     wait_for(lambda: "inside the space" in part("place").text(), "the cell is complete")
-    assert part("explored").isVisible() and "1 explorers" in part("explored").text()
+    assert part("explored").isVisible() and " explorers busy" in part("explored").text()
     # The body is seen to be pressed, by the fields that were found meanwhile.
     wait_for(lambda: touch_filter().PointData["ContactPressure"].GetRange()[1] > 0, "the pressure")
     wait(1)  # the tool comes to where it is to press
