@@ -88,6 +88,11 @@ std::string ToText(const palpate::ExplorationEstimate& estimate)
     vtkPalpateTellBytes(estimate.file_bytes) + " of disk until it is complete, if there is a file.";
 }
 
+/// What an estimate of the whole space says of one that is explored around the hand.
+constexpr const char* AroundTheHand =
+  "One configuration is solved for now, the others around the hand while you touch. All of them "
+  "would be: ";
+
 /// What an estimate for the mesh that is given does not say.
 constexpr const char* OnFinerMeshes =
   " That is for the mesh as it is given. The meshes of the regions are made first, and are finer: "
@@ -317,10 +322,14 @@ void vtkPalpatePrecomputeStateSpace::UpdateEstimate()
         vtkPolyData::SafeDownCast(this->GetInputDataObject(SurfacePort, 0)), controller);
       const auto communicator = vtkPalpateCommunicator(controller);
       const int threads = palpate::num_threads(*communicator, this->Threads);
-      return scene ? ToText(palpate::estimate_exploration(
-                       *scene, options, this->Cost.Of(*scene, threads), communicator->size())) +
-          (this->MeshTolerance > 0 ? OnFinerMeshes : "")
-                   : std::string();
+      if (!scene)
+      {
+        return std::string();
+      }
+      const std::string whole = ToText(palpate::estimate_exploration(
+        *scene, options, this->Cost.Of(*scene, threads), communicator->size()));
+      return (this->Exploration == AROUND_THE_HAND ? AroundTheHand : std::string()) + whole +
+        (this->MeshTolerance > 0 ? OnFinerMeshes : "");
     });
 }
 

@@ -141,6 +141,10 @@ def test_around_the_hand():
     assert found.GetNumberOfPoints() == 1 and field(found, "Complete")[0] == 0
     touch = TouchStateSpace(Input=space, ToolPosition=ABOVE)
     expect_silence(touch.UpdatePipeline)
+    space.InvokeCommand("UpdateEstimate")
+    space.UpdatePropertyInformation()
+    estimate = str(space.GetPropertyValue("Estimate"))
+    assert "One configuration is solved for now" in estimate, estimate
     # The second time nothing is solved for.
     space.LogInterval = 1
     assert (rows(expect_silence(lambda: configurations(space))) == rows(found)).all()
