@@ -25,8 +25,6 @@ namespace {
 constexpr double kBetweenPoses = 0.01;
 /// The least time between two bodies that are given out, s.
 constexpr double kBetweenBodies = 0.03;
-/// Where there is no cell yet, configurations are used that are so many sides of a cell away.
-constexpr double kReach = 1.25;
 /// How long the thread leaves the session to those who show the body.
 constexpr std::chrono::milliseconds kPause{1};
 
@@ -79,8 +77,7 @@ struct HandExploration::Impl {
         keys(options.keys),
         hub(keys.path(), options.endpoint),
         explorers(find_explorer(), options.num_explorers, keys.path(), hub.endpoint()) {
-    const Grid& grid = session.job().setup.grid;
-    touch.interpolation.reach_of_states = kReach * grid.coarsest * grid.spacing();
+    touch.interpolation.reach_of_states = NearStates::usual_reach(session.job().setup.grid);
     hub.explore_for(&session);
   }
 
@@ -99,7 +96,7 @@ struct HandExploration::Impl {
   TouchSpace space;
   std::shared_ptr<const Touchable> body;
   State state;
-  std::int64_t num_chunks = 0;
+  std::int64_t last_chunk = 0;
   std::string problem;
   SessionFields shown;
   KeysFolder keys;
@@ -113,7 +110,7 @@ struct HandExploration::Impl {
 void HandExploration::Impl::grow() {
   while (const auto chunk = session.take_chunk()) {
     take(*chunk, space);
-    ++num_chunks;
+    last_chunk = chunk->number;
     body = body == nullptr ? std::make_shared<const Touchable>(space, touch)
                            : std::make_shared<const Touchable>(*body, space, *chunk);
   }
@@ -169,7 +166,7 @@ HandExploration::~HandExploration() { impl_->stop(); }
 void HandExploration::end() {
   impl_->stop();
   const std::lock_guard lock(impl_->mutex);
-  impl_->space = impl_->session.finish();
+  (void)impl_->session.finish();
 }
 
 HandExploration::Figures HandExploration::figures() const {
@@ -188,8 +185,8 @@ LiveSpace::State HandExploration::newest() {
   const std::lock_guard lock(impl_->mutex);
   State& state = impl_->state;
   const TouchToolSpace* rigid = impl_->space.find_pressing();
-  if (rigid != nullptr && impl_->body && state.number != impl_->num_chunks) {
-    state.number = impl_->num_chunks;
+  if (rigid != nullptr && impl_->body && state.number != impl_->last_chunk) {
+    state.number = impl_->last_chunk;
     state.tool_space = std::make_shared<const TouchToolSpace>(*rigid);
     state.force = std::shared_ptr<const ToolForce>(impl_->body, impl_->body->force_on_tool());
   }

@@ -19,6 +19,15 @@ struct FieldShare {
   Vec3 d = Vec3::Zero();
 };
 
+/// Adds the share of a configuration whose fields are whole to those of others.
+/// @param p Empty as long as none was added that has pressures.
+inline void add_share(const FieldShare& share, const Configuration& whole, NodalVector& u,
+                      NodalVector& p) {
+  u += share.a * whole.u + whole.v * share.d;
+  if (p.size() == 0) p.setZero(whole.p.size());
+  if (p.size() > 0) p += share.a * whole.p + whole.p_v * share.d;
+}
+
 class FieldSource {
  public:
   virtual ~FieldSource() = default;

@@ -7,14 +7,6 @@
 #include "base/error.h"
 
 namespace palpate {
-namespace {
-
-std::size_t bytes_of(const Configuration& c) {
-  return static_cast<std::size_t>(c.u.size() + c.v.size() + c.p.size() + c.p_v.size()) *
-         sizeof(double);
-}
-
-}  // namespace
 
 void SessionFields::add_up(const ToolSpaceSetup& /*setup*/, const std::vector<FieldShare>& shares,
                            Keep needed, NodalVector& u, NodalVector& p) {
@@ -30,12 +22,7 @@ void SessionFields::add_up(const ToolSpaceSetup& /*setup*/, const std::vector<Fi
                       "for (Keep is ") +
           name_of(entry.kept) + "). Compute the state space with Keep " + name_of(needed) + ".");
     }
-    const Configuration& c = entry.configuration;
-    if (c.u.size() == 0) continue;
-    u += share.a * c.u + c.v * share.d;
-    if (c.p.size() == 0) continue;
-    if (p.size() == 0) p.setZero(c.p.size());
-    p += share.a * c.p + c.p_v * share.d;
+    if (entry.configuration.u.size() > 0) add_share(share, entry.configuration, u, p);
   }
   forget_old_ones();
 }
@@ -50,7 +37,7 @@ const SessionFields::Entry& SessionFields::get(const ConfigurationSummary& summa
       entry.kept = session_.kept(summary);
     }
     count_from_rest(session_.body().at_rest, entry.configuration);
-    bytes_ += bytes_of(entry.configuration);
+    bytes_ += bytes_of_fields(entry.configuration);
     found = entries_.emplace(summary.check_point, std::move(entry)).first;
   }
   found->second.last_use = uses_;
@@ -63,7 +50,7 @@ void SessionFields::forget_old_ones() {
         entries_.begin(), entries_.end(),
         [](const auto& a, const auto& b) { return a.second.last_use < b.second.last_use; });
     if (oldest->second.last_use == uses_) return;
-    bytes_ -= bytes_of(oldest->second.configuration);
+    bytes_ -= bytes_of_fields(oldest->second.configuration);
     entries_.erase(oldest);
   }
 }

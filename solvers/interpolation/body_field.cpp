@@ -41,10 +41,8 @@ void BodyField::add_node(std::int32_t node, double a, const Vec3& d, Weights& we
 }
 
 Support BodyField::find_weights(const Vec3& t, const NearStates* near, Weights& weights) const {
-  using Place = CheckPointGrid::Place;
   const CheckPointGrid::Location at = grid_.locate(t);
-  const bool is_beside = at.place == Place::beside_cell || at.place == Place::nowhere;
-  if (is_beside && near != nullptr && near->reaches(t)) {
+  if (near != nullptr && near->serves(at, t)) {
     near->visit(t, [&](std::int32_t configuration, double a, const Vec3& d) {
       weights[configuration] = {a, a * d};
     });

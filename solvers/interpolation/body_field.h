@@ -30,9 +30,9 @@ class BodyField {
   /// @param u Displacement [3 × num_points], m.
   /// @param p Pressures [num_pressures], Pa; empty if the body has none. Both u and p are empty if
   ///   the support is `none`, or if no configuration of the tool space touches the body.
-  /// @throws InputError, BackendError as FieldSource::add_up.
   /// @param near Of the same tool space, as the force has them: where there is no cell, the
   ///   configurations around give the displacement too. Null: the nearest cell is continued.
+  /// @throws InputError, BackendError as FieldSource::add_up.
   Support evaluate(const Vec3& t, FieldSource& fields, Keep needed, NodalVector& u, NodalVector& p,
                    const NearStates* near = nullptr) const;
 

@@ -27,6 +27,18 @@ class NearStates {
   /// @param reach How far a configuration is used, m; above 0.
   NearStates(const std::vector<ConfigurationSummary>& configurations, double reach);
 
+  /// The usual reach: about a cell away, m.
+  [[nodiscard]] static double usual_reach(const Grid& grid) {
+    return 1.25 * grid.coarsest * grid.spacing();
+  }
+
+  /// Whether a place is in no cell, so that the configurations within reach give the force there.
+  /// @param at Where x is in the grid.
+  /// @note Realtime-safe.
+  [[nodiscard]] bool serves(const CheckPointGrid::Location& at, const Vec3& x) const noexcept {
+    using Place = CheckPointGrid::Place;
+    return (at.place == Place::beside_cell || at.place == Place::nowhere) && reaches(x);
+  }
   /// Whether a configuration is within reach.
   /// @note Realtime-safe.
   [[nodiscard]] bool reaches(const Vec3& x) const noexcept;

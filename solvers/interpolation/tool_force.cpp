@@ -63,9 +63,10 @@ void ToolForce::make_near_states(const TouchToolSpace& tool_space) {
 
 TouchResult ToolForce::evaluate_only(const Vec3& x) const noexcept {
   const Interpolator& only = *parts_.front().force;
-  if (!expands(x)) return only.evaluate(x);
-  const TouchResult expanded = near_->evaluate(x);
+  if (near_ == nullptr) return only.evaluate(x);
   const CheckPointGrid::Location at = only.locate(x);
+  if (!near_->serves(at, x)) return only.evaluate(x);
+  const TouchResult expanded = near_->evaluate(x);
   if (at.place != CheckPointGrid::Place::beside_cell) return expanded;
   const double share = std::min(1.0, at.offset.norm() / (kGoesOver * only.cell_side(at)));
   if (share >= 1) return expanded;

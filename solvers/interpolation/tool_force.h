@@ -64,10 +64,7 @@ class ToolForce {
   /// Whether a place is in no cell, and its force comes from configurations around.
   /// @note Realtime-safe.
   [[nodiscard]] bool expands(const Vec3& x) const noexcept {
-    using Place = CheckPointGrid::Place;
-    if (near_ == nullptr) return false;
-    const Place place = parts_.front().force->locate(x).place;
-    return (place == Place::beside_cell || place == Place::nowhere) && near_->reaches(x);
+    return near_ != nullptr && near_->serves(parts_.front().force->locate(x), x);
   }
   /// The configurations around; nullptr: they are not used.
   [[nodiscard]] const NearStates* near_states() const { return near_.get(); }

@@ -10,9 +10,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "base/outcome.h"
@@ -274,6 +276,17 @@ void for_each_field(Fields& fields, Visit&& visit) {
   visit(fields.v);
   visit(fields.p);
   visit(fields.p_v);
+}
+
+/// The memory of the fields, bytes.
+template <class Fields>
+[[nodiscard]] std::size_t bytes_of_fields(const Fields& fields) {
+  std::size_t bytes = 0;
+  for_each_field(fields, [&](const auto& field) {
+    using Number = typename std::decay_t<decltype(field)>::Scalar;
+    bytes += static_cast<std::size_t>(field.size()) * sizeof(Number);
+  });
+  return bytes;
 }
 
 /// The order in which configurations are kept: by check-point, then level.

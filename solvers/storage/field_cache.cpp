@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
-#include <type_traits>
 #include <utility>
 
 #include "base/error.h"
@@ -25,18 +24,8 @@ bool is_same_grid(const ToolSpaceSetup& a, const ToolSpaceSetup& b) {
          (a.grid.origin - b.grid.origin).norm() <= kGridRounding * a.grid.spacing();
 }
 
-template <class Fields>
-std::size_t bytes_of(const Fields& fields) {
-  std::size_t bytes = 0;
-  for_each_field(fields, [&](const auto& field) {
-    using Number = typename std::decay_t<decltype(field)>::Scalar;
-    bytes += static_cast<std::size_t>(field.size()) * sizeof(Number);
-  });
-  return bytes;
-}
-
 std::size_t bytes_of(const StoredFields& fields) {
-  return bytes_of(fields.whole) + bytes_of(fields.reduced);
+  return bytes_of_fields(fields.whole) + bytes_of_fields(fields.reduced);
 }
 
 std::size_t bytes_of(const FieldBasis& basis) {
@@ -80,10 +69,7 @@ void FieldCache::add_up(const ToolSpaceSetup& setup, const std::vector<FieldShar
   for (const FieldShare& share : shares) {
     const StoredFields& fields = entries_.at(key_of(setup.key(), share.configuration)).fields;
     if (fields.basis == nullptr) {
-      const Configuration& whole = fields.whole;
-      u += share.a * whole.u + whole.v * share.d;
-      if (p.size() == 0) p.setZero(whole.p.size());
-      if (p.size() > 0) p += share.a * whole.p + whole.p_v * share.d;
+      add_share(share, fields.whole, u, p);
       continue;
     }
     const FieldBasis& basis = *fields.basis;

@@ -137,7 +137,7 @@ int run(const std::string& path, const std::string& program, const Arguments& ar
   const Vec3 middle = clearance->approach(session.first_hand().place).touched;
   PalpatingHand hand(*clearance, middle, 1e-3 * arguments["extent"], 1e-3 * arguments["speed"],
                      static_cast<unsigned>(arguments["seed"]));
-  Felt felt(file, session.empty_space(), 1.25 * cells.side());
+  Felt felt(file, session.empty_space(), NearStates::usual_reach(setup.grid));
   std::map<CheckPoint, char> known;
   long in_shell = 0;
   long in_known = 0;
