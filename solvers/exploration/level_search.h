@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The search for levels: a check-point has each equilibrium that was found there, as a level, and
+// each level says which level of each neighbour the body reaches when it is moved there [P07].
+//
+// Level 0 is that of the flat space, which is complete before the search begins. The search makes
+// transitions along suspected edges, in both directions, and between each check-point with several
+// levels and its neighbours, from and to all their levels. It goes in rounds, until a round finds
+// nothing new. A body without suspected edges needs no further transition.
+//
+// A transition has found a known level of its target if force and displacement are the same.
+// Neither the rounds nor the order in which a round compares levels depend on the order in which
+// configurations are found.
+//
+// A check-point has at most kMostLevels levels. A transition that finds one more counts as failed,
+// and is marked so (beyond_most_levels).
+//
+// No transition starts from a state that is inverted, unstable or beyond the force limit, and none
+// leads to a check-point where the flat space is inverted. A transition that finds an inverted
+// state counts as not reached.
+//
+// [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "exploration/exploration_strategy.h"
+
+namespace palpate {
+
+class LevelSearch {
+ public:
+  /// A transition: its start, the level of the start, and its target.
+  using Key = std::tuple<CheckPoint, std::int32_t, CheckPoint>;
+  /// The configurations of a check-point by their levels.
+  using Levels = std::map<std::int32_t, ConfigurationSummary>;
+
+  struct Setting {
+    /// The check-points beside one, in directions of their own (neighbour_number()).
+    std::function<std::vector<CheckPoint>(const CheckPoint&)> neighbours;
+    /// The displacement of the body with which differences of displacements are compared, m.
+    std::function<double(const ConfigurationSummary&)> displacement;
+    /// The distance with which differences of forces are compared, by the stiffness, m.
+    double spacing = 0;
+  };
+
+  explicit LevelSearch(Setting setting) : setting_(std::move(setting)) {}
+
+  /// Takes in what an earlier run has found: a configuration of any level, a candidate among them,
+  /// or what a transition has reached.
+  void recall(const ConfigurationSummary& found);
+  void recall(const LevelTransition& transition);
+  /// Takes in a configuration of the flat space, or the result of a transition of this search.
+  void accept(const ConfigurationSummary& found);
+  /// Has the transitions between two neighbours made, in both directions.
+  void suspect(const CheckPoint& p, const CheckPoint& q) { suspects_.emplace(p, q); }
+
+  /// The transitions of the next round, after all of the last one have been accepted; none: all
+  /// levels are known. Transitions with the same start are next to each other.
+  [[nodiscard]] std::vector<Transition> next();
+  /// What transitions have reached since the last call.
+  [[nodiscard]] std::vector<Settlement> settled();
+  /// Whether transitions of a round were not accepted yet.
+  [[nodiscard]] bool is_under_way() const { return num_under_way_ > 0; }
+  /// The number of levels above 0, and of transitions under way.
+  [[nodiscard]] std::int64_t num_more() const {
+    return num_levels_ + static_cast<std::int64_t>(num_under_way_);
+  }
+  /// The configurations that the flat space and the rounds so far have found, usable or not.
+  [[nodiscard]] const std::map<CheckPoint, Levels>& found() const { return found_; }
+  /// The usable configuration of the flat space at a check-point; null: there is none.
+  [[nodiscard]] const ConfigurationSummary* flat_at(const CheckPoint& p) const;
+  /// Whether transitions between levels may start from a configuration.
+  [[nodiscard]] static bool is_start(const ConfigurationSummary& c);
+
+ private:
+  /// The transitions that are not settled yet.
+  [[nodiscard]] std::set<Key> missing() const;
+  void add_transitions(const CheckPoint& from, const CheckPoint& to, std::set<Key>& all) const;
+  void settle(const Key& key);
+  /// The level of a state at its check-point: a known one, the next free one, or
+  /// beyond_most_levels.
+  [[nodiscard]] std::int32_t level_of(const ConfigurationSummary& found) const;
+
+  Setting setting_;
+  std::set<std::pair<CheckPoint, CheckPoint>> suspects_;
+  std::map<CheckPoint, Levels> found_;
+  /// The levels above 0, those of earlier runs too.
+  std::map<CheckPoint, Levels> levels_;
+  std::int64_t num_levels_ = 0;
+  /// The levels that transitions of earlier runs have reached.
+  std::map<Key, std::int32_t> recalled_;
+  /// Results of this round's transitions, and of those of earlier runs that were not settled.
+  std::map<Key, ConfigurationSummary> candidates_;
+  std::map<Key, std::int32_t> reached_;
+  std::size_t num_under_way_ = 0;
+  std::vector<Settlement> settled_;
+};
+
+}  // namespace palpate
