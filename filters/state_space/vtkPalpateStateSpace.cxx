@@ -209,7 +209,12 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
       }
       for (int n = 0; n < palpate::num_neighbours; ++n)
       {
-        const auto target = idOf.find({ palpate::neighbour(c.check_point, n), c.reached[n] });
+        if (c.reached[n] < 0)
+        {
+          continue;
+        }
+        const auto target = idOf.find(
+          { palpate::nearest_neighbour(toolSpace.configurations, c.check_point, n), c.reached[n] });
         if (target != idOf.end())
         {
           transitions->InsertNextCell({ id, target->second });

@@ -253,6 +253,7 @@ struct vtkPalpateTouchStateSpace::Prepared
     std::map<std::pair<int, bool>, std::unique_ptr<palpate::Interpolator>> Interpolators;
     std::unique_ptr<palpate::DisplayField> Field;
     std::unique_ptr<palpate::BodyField> BodyField;
+    std::optional<TouchToolSpace> Space;
   };
   /// The force on the rigid tool, by the number of the method, and whether the error of the mesh is
   /// corrected.
@@ -347,39 +348,57 @@ struct vtkPalpateTouchStateSpace::Prepared
     return this->WholeBodies.try_emplace(body, std::move(bodies), pressing).first->second;
   }
 
-  /// The branch that the body is on when the node has come to t.
-  /// @param start Where it came from, in a straight line.
+  /// The branch that the body is on when the tool has come to t.
+  /// @param from Where it came from, in a straight line; nothing: from where the body is on branch
+  ///   `without` at t.
   /// @param startBranch The branch that it was on there; -1: that to which it comes from rest.
   /// @param branch The branch that it is on at t; -1: to be found.
   /// @throws InputError there is no such branch.
-  Branch& Find(const TouchToolSpace& toolSpace, const palpate::Vec3& start, int startBranch,
-    const palpate::Vec3& t, int branch)
+  int FindBranch(const TouchToolSpace& toolSpace, const palpate::SolutionBranches* branches,
+    const std::optional<palpate::Vec3>& from, int startBranch, const palpate::Vec3& t, int branch,
+    int without)
   {
-    this->Key = toolSpace.setup.key();
-    const palpate::SolutionBranches& branches =
-      this->BranchesOfSpace.try_emplace(this->Key, toolSpace).first->second;
+    const int size = branches ? branches->size() : 1;
     for (const int given : { startBranch, branch })
     {
-      if (given < -1 || given >= branches.size())
+      if (given < -1 || given >= size)
       {
         throw palpate::InputError("There is no branch " + std::to_string(given) + " of " +
-          toolSpace.setup.name() + ": it has " + std::to_string(branches.size()) +
+          toolSpace.setup.name() + ": it has " + std::to_string(size) +
           ", counted from 0. Choose one of them, or -1, with which the body finds its own.");
       }
     }
-    if (branch < 0 && startBranch < 0)
+    this->Key = toolSpace.setup.key();
+    if (branch >= 0 || !branches)
     {
-      startBranch = branches.move(0, palpate::Vec3::Zero(), start);
+      return std::max(branch, 0);
     }
-    this->OnBranch = branch >= 0 ? branch : branches.move(startBranch, start, t);
-    return this->Branches[{ this->Key, this->OnBranch }];
+    if (!from)
+    {
+      return without;
+    }
+    if (startBranch < 0)
+    {
+      // A rigid tool comes from where it touches nothing.
+      startBranch = toolSpace.setup.presses() ? 0 : branches->move(0, palpate::Vec3::Zero(), *from);
+    }
+    return branches->move(startBranch, *from, t);
   }
 
   /// The part of the tool space that is on a branch.
-  [[nodiscard]] TouchToolSpace SiteOnBranch(const TouchToolSpace& toolSpace, int branch) const
+  const TouchToolSpace& SpaceOnBranch(
+    const TouchToolSpace& toolSpace, const palpate::SolutionBranches* branches, int branch)
   {
-    return palpate::restricted(
-      toolSpace, this->BranchesOfSpace.at(toolSpace.setup.key()).configurations(branch));
+    if (!branches || branches->size() == 1)
+    {
+      return toolSpace;
+    }
+    auto& space = this->Branches[{ toolSpace.setup.key(), branch }].Space;
+    if (!space)
+    {
+      space = palpate::on_branch(toolSpace, *branches, branch);
+    }
+    return *space;
   }
 };
 
@@ -423,21 +442,38 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
   if (!toolSpace.setup.presses())
   {
     const palpate::Vec3 start(this->StartDisplacement);
-    Prepared::Branch& branch = cache.Find(toolSpace, start, this->StartBranch, t, this->Branch);
+    const palpate::SolutionBranches& branches =
+      cache.BranchesOfSpace.try_emplace(toolSpace.setup.key(), toolSpace).first->second;
+    cache.OnBranch =
+      cache.FindBranch(toolSpace, &branches, start, this->StartBranch, t, this->Branch, 0);
+    Prepared::Branch& branch = cache.Branches[{ cache.Key, cache.OnBranch }];
     auto& interpolator = branch.Interpolators[how];
     if (!interpolator)
     {
       // The stiffness at rest is that of the branch that rest is on.
       const int of = method == palpate::Method::linear ? 0 : cache.OnBranch;
-      interpolator = palpate::make_interpolator(method, cache.SiteOnBranch(toolSpace, of), options);
+      interpolator =
+        palpate::make_interpolator(method, cache.SpaceOnBranch(toolSpace, &branches, of), options);
     }
     touch = interpolator->evaluate(t);
-    parts.push_back({ &toolSpace, 1, interpolator.get(), &branch.BodyField, nullptr });
+    parts.push_back({ &cache.SpaceOnBranch(toolSpace, &branches, cache.OnBranch), 1,
+      interpolator.get(), &branch.BodyField, nullptr });
     return parts;
   }
+  std::optional<palpate::Vec3> start;
+  if (this->FromStart)
+  {
+    start = palpate::Vec3(this->StartToolPosition);
+  }
+  const auto findBranch = [&](const TouchToolSpace& of, const palpate::ToolForce& force)
+  {
+    cache.OnBranch = cache.FindBranch(of, force.branches(), start, this->StartBranch, t,
+      this->Branch, force.branch_from_outside(t));
+    touch = force.evaluate(t, cache.OnBranch);
+  };
   if (cache.Found.force)
   {
-    touch = cache.Found.force->evaluate(t);
+    findBranch(*cache.Found.tool_space, *cache.Found.force);
     parts.push_back(
       { cache.Found.tool_space.get(), 1, &cache.Found.force->part(0), &cache.LiveField, nullptr });
     return parts;
@@ -448,7 +484,14 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
   {
     force = std::make_unique<palpate::ToolForce>(pressing, method, options);
   }
-  touch = force->evaluate(t);
+  findBranch(*pressing.front(), *force);
+  if (force->num_branches() > 1)
+  {
+    parts.push_back({ &cache.SpaceOnBranch(*pressing.front(), force->branches(), cache.OnBranch), 1,
+      &force->on(cache.OnBranch),
+      &cache.Branches[{ pressing.front()->setup.key(), cache.OnBranch }].BodyField, nullptr });
+    return parts;
+  }
   force->visit_weights(t,
     [&](std::size_t number, double weight)
     {
@@ -483,9 +526,8 @@ void vtkPalpateTouchStateSpace::FindWholeBody(Part& part, const double t[3])
   auto& field = *part.Field;
   if (!field)
   {
-    field = setup.presses()
-      ? std::make_unique<palpate::BodyField>(*part.Space, part.Force->grid())
-      : std::make_unique<palpate::BodyField>(cache.SiteOnBranch(*part.Space, cache.OnBranch));
+    field = setup.presses() ? std::make_unique<palpate::BodyField>(*part.Space, part.Force->grid())
+                            : std::make_unique<palpate::BodyField>(*part.Space);
   }
   const palpate::Keep needed = this->WholeBody ? palpate::Keep::all
     : this->Stress                             ? palpate::Keep::surface
@@ -679,8 +721,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
     auto& field = this->Cache->Branches[{ this->Cache->Key, this->Cache->OnBranch }].Field;
     if (!field)
     {
-      field = std::make_unique<palpate::DisplayField>(
-        this->Cache->SiteOnBranch(toolSpace, this->Cache->OnBranch));
+      field = std::make_unique<palpate::DisplayField>(*leading.Space);
     }
     if (touch.support != palpate::Support::none)
     {
@@ -714,6 +755,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   if (presses)
   {
     AddVector(output, "ToolPosition", 3, t.data());
+    AddInteger(output, "Branch", this->Cache->OnBranch);
   }
   else
   {
@@ -763,6 +805,9 @@ void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << this->Displacement[2] << '\n'
      << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
      << this->ToolPosition[2] << '\n'
+     << indent << "FromStart: " << this->FromStart << '\n'
+     << indent << "StartToolPosition: " << this->StartToolPosition[0] << ' '
+     << this->StartToolPosition[1] << ' ' << this->StartToolPosition[2] << '\n'
      << indent << "StartDisplacement: " << this->StartDisplacement[0] << ' '
      << this->StartDisplacement[1] << ' ' << this->StartDisplacement[2] << '\n'
      << indent << "StartBranch: " << this->StartBranch << '\n'

@@ -108,6 +108,18 @@ public:
   vtkGetVector3Macro(ToolPosition, double);
   ///@}
   ///@{
+  /// Whether a rigid tool comes from StartToolPosition; if not, it comes from outside along the
+  /// normal of the surface.
+  vtkSetMacro(FromStart, bool);
+  vtkGetMacro(FromStart, bool);
+  vtkBooleanMacro(FromStart, bool);
+  ///@}
+  ///@{
+  /// Where a rigid tool comes from, in a straight line, m.
+  vtkSetVector3Macro(StartToolPosition, double);
+  vtkGetVector3Macro(StartToolPosition, double);
+  ///@}
+  ///@{
   /// Where the node comes from, in a straight line: a displacement from rest, m.
   vtkSetVector3Macro(StartDisplacement, double);
   vtkGetVector3Macro(StartDisplacement, double);
@@ -182,6 +194,8 @@ private:
   vtkIdType BodyNumber = 1;
   double Displacement[3] = { 0, 0, 0 };
   double ToolPosition[3] = { 0, 0, 0 };
+  bool FromStart = false;
+  double StartToolPosition[3] = { 0, 0, 0 };
   double StartDisplacement[3] = { 0, 0, 0 };
   int StartBranch = -1;
   int Branch = -1;

@@ -2,6 +2,7 @@
 #include "haptic/touching/press.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "haptic/touching/balance.h"
 
@@ -17,13 +18,16 @@ constexpr double kBegins = 0.25;
 }  // namespace
 
 TouchResult Press::answer(const ToolForce& force, double coupling) noexcept {
+  const Vec3 before = is_pressing_ ? place_ : hand_;
   if (coupling <= 0) {
     place_ = hand_;
-    return force.evaluate(place_);
+    branch_ = force.move(branch_, before, place_);
+    return force.evaluate(place_, branch_);
   }
   place_ = is_pressing_ ? Vec3(place_ + followed_ * (hand_ - held_)) : hand_;
   const TouchResult at =
-      balance([&](const Vec3& p) { return force.evaluate(p); }, hand_, coupling, place_);
+      balance([&](const Vec3& p) { return force.evaluate(p, branch_); }, hand_, coupling, place_);
+  branch_ = force.move(branch_, before, place_);
   followed_ = followed(at.stiffness, coupling);
   held_ = hand_;
   return at;
@@ -32,7 +36,7 @@ TouchResult Press::answer(const ToolForce& force, double coupling) noexcept {
 bool Press::is_free(const ToolForce& force) const noexcept {
   using Place = CheckPointGrid::Place;
   if (force.expands(place_)) return true;
-  const Interpolator& here = force.at(place_);
+  const Interpolator& here = force.at(place_, branch_);
   const Interpolator::Location at = here.locate(place_);
   return at.place == Place::free || (at.place == Place::cell && !here.grid().is_unknown(at.leaf));
 }
@@ -48,7 +52,7 @@ Contact Press::miss(Support support) noexcept {
 
 bool Press::is_known(const ToolForce& force, const Vec3& push) const noexcept {
   if (force.expands(place_)) return true;
-  const Interpolator& here = force.at(place_);
+  const Interpolator& here = force.at(place_, branch_);
   const CheckPointGrid::Location at = here.locate(place_);
   if (at.place == CheckPointGrid::Place::cell) return true;
   if (at.place != CheckPointGrid::Place::beside_cell) return false;
@@ -58,15 +62,30 @@ bool Press::is_known(const ToolForce& force, const Vec3& push) const noexcept {
                       : at.offset.norm() <= kBegins * here.cell_side(at);
 }
 
+void Press::find_branch(const ToolForce& force) noexcept {
+  branch_ = 0;
+  if (!is_pressing_) return;
+  double least = std::numeric_limits<double>::infinity();
+  for (int branch = 0; branch < force.num_branches(); ++branch) {
+    if (!force.has_cell(place_, branch)) continue;
+    const double difference = (force.evaluate(place_, branch).force - holding_).norm();
+    if (difference >= least) continue;
+    least = difference;
+    branch_ = branch;
+  }
+}
+
 Contact Press::move(const ToolForce& force, const Vec3& hand,
                     const TouchSettings& settings) noexcept {
   const double coupling = settings.coupling_stiffness;
   const Vec3 moved = is_pressing_ ? Vec3(hand - hand_) : Vec3::Zero();
   hand_ = hand;
   const TouchResult at = answer(force, coupling);
+  holding_ = at.force;
   Contact contact;
   contact.support = at.support;
   contact.anchor = place_;
+  contact.branches[0] = branch_;
   if (at.force.isZero(0)) {
     if (!is_free(force)) return miss(at.support);
     release();

@@ -14,6 +14,9 @@
 // body, and the force ends. The force also ends where a solve of the space has failed and the
 // extrapolation gives zero: the tool has gone through the surface, and nothing proves that it is
 // free.
+//
+// Where the body has several equilibria it stays on the branch on which the tool came, as long as
+// that goes on. A tool that becomes free begins anew.
 #pragma once
 
 #include "haptic/touching/contact.h"
@@ -31,12 +34,16 @@ class Press {
 
   /// Moves the hand.
   /// @param force The force on the rigid tool, by its place.
+  /// @note A space that was replaced may number its branches differently: call find_branch() first.
   /// @returns A contact whose status is free, pressing, or inside: there the tool may touch, but
   ///   the space has no force for it. While the tool does not press, the caller has to fill in
   ///   distance and anchor.
   /// @note Realtime-safe.
   [[nodiscard]] Contact move(const ToolForce& force, const Vec3& hand,
                              const TouchSettings& settings) noexcept;
+  /// Finds the branch of another space that is nearest to the force that was felt last.
+  /// @note Realtime-safe.
+  void find_branch(const ToolForce& force) noexcept;
 
  private:
   /// Finds the tool's place from that of the hand, and gives the answer of the body there.
@@ -49,9 +56,13 @@ class Press {
   [[nodiscard]] Contact miss(Support support) noexcept;
 
   bool is_pressing_ = false;
+  /// The branch that the body is on.
+  int branch_ = 0;
   Vec3 hand_ = Vec3::Zero();
   /// The tool's place, m.
   Vec3 place_ = Vec3::Zero();
+  /// The force that holds it there, N.
+  Vec3 holding_ = Vec3::Zero();
   /// With a coupling: where the hand was when place_ was found, and ∂place_/∂hand.
   Vec3 held_ = Vec3::Zero();
   Mat3 followed_ = Mat3::Zero();

@@ -19,6 +19,7 @@ bool PressingTouch::take_over(const Touch& before) noexcept {
   fades_in_ = pressing != nullptr && pressing->fades_in_;
   if (fades_in_) came_at_ = pressing->came_at_;
   press_ = pressing != nullptr ? pressing->press_ : Press();
+  press_.find_branch(*body().force_on_tool());
   return true;
 }
 

@@ -85,7 +85,7 @@ void Touchable::take_node(const TouchToolSpace& tool_space, const TouchSpace& sp
   for (int branch = 0; branch < branches.size(); ++branch) {
     if (branches.size() > 1) {
       on_branch.push_back(make_interpolator(options_.method,
-                                            restricted(tool_space, branches.configurations(branch)),
+                                            palpate::on_branch(tool_space, branches, branch),
                                             options_.interpolation));
       continue;
     }

@@ -60,7 +60,7 @@ class Subject {
   };
 
   [[nodiscard]] TouchToolSpace space_on(int branch) const {
-    return restricted(tool_space_, branches_.configurations(branch));
+    return palpate::on_branch(tool_space_, branches_, branch);
   }
 
   Part& part_on(int branch) {

@@ -215,6 +215,7 @@ void Engine::recall(Unpacker& content, Mail& mail) {
     require_possible(grid, transition.target, 0);
     require_reached(transition.reached);
     owned.strategy->recall(transition);
+    if (is_spread) owned.recalled.push_back(transition);
     if (transition.reached == beyond_most_levels) ++report_.num_beyond_most_levels;
   }
   for (const auto& summary : content.take_list<std::vector<ConfigurationSummary>>()) {
@@ -226,8 +227,9 @@ void Engine::recall(Unpacker& content, Mail& mail) {
   }
   if (!content.take<bool>()) return;
   owned.has_recalled = true;
-  for (const ConfigurationSummary& found : owned.known)
-    answer_waiting(id, owned, found, true, mail);
+  for (const ConfigurationSummary& found : owned.known) {
+    if (found.level == 0) answer_waiting(id, owned, found, true, mail);
+  }
   for (const Question& question : std::exchange(owned.postponed, {})) hear(id, question, mail);
   send_transitions(id, mail);
 }
@@ -360,6 +362,7 @@ void Engine::take_in(ToolSpaceKey tool_space, const ConfigurationSummary& found,
   if (found.level < 0) {
     ++report_.num_transitions;
     if (found.usable()) owned.located[key_of(tool_space, found)] = {found, rank};
+    if (space(tool_space).plan->is_spread()) owned.known.push_back(found);
   } else if (found.usable()) {
     owned.failed.erase(found.check_point);
     owned.located[key_of(tool_space, found)] = {found, rank};
@@ -446,7 +449,8 @@ void Engine::send_transitions(ToolSpaceKey tool_space, Mail& mail) {
   for (std::size_t i = 0; i < asked.size();) {
     const CheckPoint start = asked[i].start;
     const std::int32_t start_level = asked[i].start_level;
-    if (is_spread && !asked[i].needs_no_start()) {
+    // A transition between levels is asked for where its start is known.
+    if (is_spread && !asked[i].needs_no_start() && !asked[i].finds_candidate) {
       Question question;
       question.start = start;
       question.target = target_of(owned, asked[i]);

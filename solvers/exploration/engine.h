@@ -53,10 +53,14 @@ class Engine final : public Worker {
 
   /// Begins another round of a tool space, with the plan that it has now.
   void plan_anew(const ToolSpaceKey& tool_space);
-  /// The check-points of a spread tool space that this rank owns and that were found or given up.
-  /// Call this between runs.
+  /// What was found at the check-points of a spread tool space that this rank owns, or that they
+  /// were given up; candidates are among it. And what transitions between levels have reached there
+  /// in earlier runs. Call these between runs.
   [[nodiscard]] const std::vector<ConfigurationSummary>& known_here(ToolSpaceKey tool_space) const {
     return owned_.at(tool_space).known;
+  }
+  [[nodiscard]] const std::vector<LevelTransition>& recalled_here(ToolSpaceKey tool_space) const {
+    return owned_.at(tool_space).recalled;
   }
 
   /// Has all ranks follow a steering from now on. Call this on any rank, within a run or between
@@ -112,10 +116,12 @@ class Engine final : public Worker {
     bool has_recalled = false;
     /// Questions that came before has_recalled.
     std::vector<Question> postponed;
-    /// The following three are for a spread tool space: its check-points that were solved or given
-    /// up; starts that lead nowhere, with true for those beyond the force limit; and the targets
-    /// that wait for each start.
+    /// The following four are for a spread tool space: what was found at its check-points, or that
+    /// they were given up; what transitions between levels have reached in earlier runs; starts
+    /// that lead nowhere, with true for those beyond the force limit; and the targets that wait for
+    /// each start.
     std::vector<ConfigurationSummary> known;
+    std::vector<LevelTransition> recalled;
     std::map<CheckPoint, bool> ended;
     std::map<CheckPoint, std::vector<Target>> waiting;
     /// The usable configurations, with their ranks.

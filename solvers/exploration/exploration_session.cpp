@@ -108,8 +108,10 @@ ExplorationSession::Impl::Impl(const std::vector<BodyOfRun>& asked,
   plan(asked);
   open_record();
   engine.emplace(spaces, *solvers, *record, communicator.network(), monitor, report);
-  if (options.contact && options.tolerance > 0) {
+  if (options.contact) {
     for (PlannedSpace& space : spaces) {
+      const ExplorationPolicy& policy = space.setup.policy;
+      if (!(policy.tolerance > 0) && policy.history == History::flat) continue;
       rounds.emplace_back(space,
                           solvers->tools(space.setup.body).clearance(space.setup.interaction),
                           shell_of(space.setup.region));
@@ -252,7 +254,7 @@ PrecomputeResult ExplorationSession::Impl::result_of(TouchSpace space,
   for (const SpaceBody& body : bodies) {
     const bool is_touched =
         std::any_of(spaces.begin(), spaces.end(),
-                    [&](const PlannedSpace& space) { return space.setup.body == body.number; });
+                    [&](const PlannedSpace& planned) { return planned.setup.body == body.number; });
     if (is_divided && !is_touched) continue;
     const Index count = body.mesh().num_cells();
     report.num_cells = is_divided ? std::max(report.num_cells, count) : report.num_cells + count;

@@ -72,6 +72,10 @@ std::set<LevelSearch::Key> LevelSearch::missing() const {
     add_transitions(p, q, all);
     add_transitions(q, p, all);
   }
+  if (setting_.is_smooth) {
+    add_telling(all);
+    return all;
+  }
   for (const auto& [p, levels] : found_) {
     if (levels.rbegin()->first <= 0) continue;
     for (const CheckPoint& q : setting_.neighbours(p)) {
@@ -80,6 +84,58 @@ std::set<LevelSearch::Key> LevelSearch::missing() const {
     }
   }
   return all;
+}
+
+void LevelSearch::add_telling(std::set<Key>& all) const {
+  std::set<Key> telling;
+  const auto add = [&](const CheckPoint& from, const CheckPoint& to) {
+    const auto here = found_.find(from);
+    if (here == found_.end()) return;
+    const ConfigurationSummary* flat = flat_at(to);
+    if (flat != nullptr && is_inverted(*flat)) return;
+    for (const auto& [level, c] : here->second) {
+      if (tells(c, to)) telling.emplace(from, level, to);
+    }
+  };
+  for (const auto& [p, levels] : found_) {
+    if (levels.rbegin()->first <= 0) continue;
+    for (const CheckPoint& q : setting_.neighbours(p)) {
+      add(p, q);
+      add(q, p);
+    }
+  }
+  // One transition to each target is made in a round, and none back: what it finds may tell enough
+  // of the others.
+  std::set<CheckPoint> targets;
+  std::set<std::pair<CheckPoint, CheckPoint>> ways;
+  for (const Key& key : telling) {
+    const auto& [from, level, to] = key;
+    if (ways.count({to, from}) > 0 || !targets.insert(to).second) continue;
+    ways.emplace(from, to);
+    all.insert(key);
+  }
+}
+
+bool LevelSearch::tells(const ConfigurationSummary& from, const CheckPoint& to) const {
+  const CheckPoint& p = from.check_point;
+  if (!is_start(from) || reached_.count({p, from.level, to}) > 0) return false;
+  const auto there = found_.find(to);
+  if (there == found_.end()) return true;
+  const Levels& here = found_.at(p);
+  const auto num_fitting = [&](const Levels& levels, const ConfigurationSummary& to_fit) {
+    return std::count_if(levels.begin(), levels.end(), [&](const auto& level) {
+      return level.second.usable() && setting_.is_smooth(level.second, to_fit);
+    });
+  };
+  int num_connected = 0;
+  for (const auto& [level, c] : there->second) {
+    if (!c.usable() || !setting_.is_smooth(from, c)) continue;
+    const auto back = reached_.find({to, level, p});
+    const bool has_come = back != reached_.end() && back->second == from.level;
+    const bool is_only = num_fitting(there->second, from) == 1 && num_fitting(here, c) == 1;
+    if (has_come || is_only) ++num_connected;
+  }
+  return num_connected != 1;
 }
 
 void LevelSearch::add_transitions(const CheckPoint& from, const CheckPoint& to,

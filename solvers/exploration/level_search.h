@@ -7,6 +7,11 @@
 // levels and its neighbours, from and to all their levels. It goes in rounds, until a round finds
 // nothing new. A body without suspected edges needs no further transition.
 //
+// On request it saves transitions. Two configurations at the ends of an edge are connected if the
+// energy along it fits their forces, and the transition from one to the other was made, or neither
+// fits any other level of the other end. A transition is made only if it may tell more: if its
+// start is not connected with exactly one level of the target.
+//
 // A transition has found a known level of its target if force and displacement are the same.
 // Neither the rounds nor the order in which a round compares levels depend on the order in which
 // configurations are found.
@@ -47,6 +52,9 @@ class LevelSearch {
     std::function<double(const ConfigurationSummary&)> displacement;
     /// The distance with which differences of forces are compared, by the stiffness, m.
     double spacing = 0;
+    /// Whether the energy between two neighbouring configurations fits their forces; empty: all
+    /// transitions are made.
+    std::function<bool(const ConfigurationSummary&, const ConfigurationSummary&)> is_smooth = {};
   };
 
   explicit LevelSearch(Setting setting) : setting_(std::move(setting)) {}
@@ -82,6 +90,10 @@ class LevelSearch {
   /// The transitions that are not settled yet.
   [[nodiscard]] std::set<Key> missing() const;
   void add_transitions(const CheckPoint& from, const CheckPoint& to, std::set<Key>& all) const;
+  /// Adds those that may tell more.
+  void add_telling(std::set<Key>& all) const;
+  /// Whether a transition from a level of a check-point may tell more.
+  [[nodiscard]] bool tells(const ConfigurationSummary& from, const CheckPoint& to) const;
   void settle(const Key& key);
   /// The level of a state at its check-point: a known one, the next free one, or
   /// beyond_most_levels.

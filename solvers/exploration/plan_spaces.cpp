@@ -133,7 +133,8 @@ ToolSpaceSetup plan_tool(const SpaceBody& of, const PrecomputeOptions& options,
   }
   setup.grid = make_shell_grid(*clearance, spacing);
   setup.policy = policy_of(options);
-  setup.policy.history = History::flat;
+  // The energies of regions are blended, and their levels are not known of each other.
+  if (region) setup.policy.history = History::flat;
   setup.policy.tolerance = options.tolerance;
   setup.policy.tolerance_is_relative = options.tolerance_is_relative;
   setup.policy.depth = contact.shell.depth;

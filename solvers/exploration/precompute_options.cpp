@@ -37,10 +37,9 @@ void validate(const PrecomputeOptions& options) {
           "Neither a depth nor a force limit is given: the tool would be pressed "
           "through the body. Set one of them.");
     }
-    if (options.intermediate_states > 0 || options.history == History::levels) {
+    if (options.intermediate_states > 0) {
       throw InputError(
-          "The space of a rigid tool has no levels or intermediate states. Set History "
-          "to another value and IntermediateStates to 0.");
+          "The space of a rigid tool has no intermediate states. Set IntermediateStates to 0.");
     }
   }
   const bool has_boxes = !options.contact || !options.active_nodes.empty();
@@ -64,7 +63,7 @@ void validate(const PrecomputeOptions& options) {
         "The tolerance is " + quantity(options.tolerance) +
         "; it must be a force in N or a share of the largest, or 0 for a uniform grid.");
   }
-  if (options.history == History::levels && options.tolerance > 0) {
+  if (has_boxes && options.history == History::levels && options.tolerance > 0) {
     throw InputError(
         "Levels are explored on a uniform grid. Choose a resolution instead of a "
         "tolerance, or another history.");

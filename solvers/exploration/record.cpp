@@ -130,17 +130,6 @@ TouchSpace assemble(const std::vector<SpaceBody>& bodies, std::vector<ToolSpaceS
       // A configuration that failed in an earlier run may have been found in this one.
       if (!is_new && !there->second.usable()) there->second = c;
     }
-    for (const auto& [id, transition] : parts.transitions) {
-      const auto start = found.find({id, transition.start, transition.start_level});
-      // A run that was killed may have lost its last configurations.
-      if (start == found.end()) continue;
-      if (transition.reached >= 0 &&
-          found.count({id, transition.target, transition.reached}) == 0) {
-        continue;
-      }
-      start->second.reached[neighbour_number(transition.start, transition.target)] =
-          transition.reached;
-    }
     std::sort(parts.intermediate_states.begin(), parts.intermediate_states.end());
     for (const ToolSpaceSetup& setup : setups) {
       std::vector<ConfigurationSummary> configurations;
@@ -150,6 +139,12 @@ TouchSpace assemble(const std::vector<SpaceBody>& bodies, std::vector<ToolSpaceS
         configurations.push_back(c->second);
         const auto reduced = fields.find(c->first);
         of_configurations.push_back(reduced == fields.end() ? nullptr : &reduced->second);
+      }
+      for (const auto& [id, transition] : parts.transitions) {
+        // A run that was killed may have lost its last configurations.
+        const bool is_lost = transition.reached >= 0 &&
+                             found.count({id, transition.target, transition.reached}) == 0;
+        if (id == setup.key() && !is_lost) note(transition, configurations);
       }
       std::vector<IntermediateState> states;
       for (const auto& [id, state] : parts.intermediate_states) {

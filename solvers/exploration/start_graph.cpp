@@ -18,7 +18,9 @@ class OwnedTargets final : public ExplorationStrategy {
     for (const StartGraph::Target* target : order_) states_[target->check_point].target = target;
   }
 
-  void recall(const ConfigurationSummary& found) override { take_in(found); }
+  void recall(const ConfigurationSummary& found) override {
+    if (found.level == 0) take_in(found);
+  }
 
   void accept(const ConfigurationSummary& found) override {
     if (found.usable()) return take_in(found);

@@ -67,22 +67,6 @@ void take_configurations(const ToolSpaceChunk& chunk, TouchToolSpace& space) {
   }
 }
 
-void take_transitions(const std::vector<LevelTransition>& transitions, TouchToolSpace& space) {
-  const auto find = [&](const CheckPoint& p, std::int32_t level) -> ConfigurationSummary* {
-    ConfigurationSummary sought;
-    sought.check_point = p;
-    sought.level = level;
-    const auto found =
-        std::lower_bound(space.configurations.begin(), space.configurations.end(), sought);
-    return found != space.configurations.end() && !(sought < *found) ? &*found : nullptr;
-  };
-  for (const LevelTransition& transition : transitions) {
-    ConfigurationSummary* start = find(transition.start, transition.start_level);
-    if (start == nullptr) continue;
-    start->reached[neighbour_number(transition.start, transition.target)] = transition.reached;
-  }
-}
-
 TouchToolSpace& tool_space_of(const ToolSpaceChunk& chunk, TouchSpace& space) {
   auto& all = space.tool_spaces;
   auto here = std::lower_bound(
@@ -103,7 +87,9 @@ void take(const SpaceChunk& chunk, TouchSpace& space) {
     TouchToolSpace& here = tool_space_of(part, space);
     add_modes(part.modes, here);
     take_configurations(part, here);
-    take_transitions(part.transitions, here);
+    for (const LevelTransition& transition : part.transitions) {
+      note(transition, here.configurations);
+    }
     std::vector<IntermediateState>& states = here.intermediate_states;
     const auto middle = static_cast<std::ptrdiff_t>(states.size());
     states.insert(states.end(), part.intermediate_states.begin(), part.intermediate_states.end());

@@ -15,6 +15,27 @@ namespace palpate {
 [[nodiscard]] double edge_residual(const ConfigurationSummary& a, const ConfigurationSummary& b,
                                    const Vec3& d);
 
+/// Whether the energy and the forces at the ends of an edge in a rigid tool's space fit each other,
+/// so that both ends may be on one smooth branch. The bounds are shares of a large force.
+class EdgeFit {
+ public:
+  /// @param configurations Those of level 0 say what a large force is: one that a twentieth of all
+  ///   exceed. The largest of all may be that of a few places where the body cannot give way.
+  explicit EdgeFit(const std::vector<ConfigurationSummary>& configurations);
+
+  [[nodiscard]] bool fits(const ConfigurationSummary& a, const ConfigurationSummary& b) const {
+    return fits_in_energy(a, b) && fits_in_force(a, b);
+  }
+  [[nodiscard]] bool fits_in_energy(const ConfigurationSummary& a,
+                                    const ConfigurationSummary& b) const;
+  /// An edge within which the body changes from one side to the other may fit in energy.
+  [[nodiscard]] bool fits_in_force(const ConfigurationSummary& a,
+                                   const ConfigurationSummary& b) const;
+
+ private:
+  double large_force_ = 0;
+};
+
 /// The arguments must outlive the object.
 class BranchTest {
  public:

@@ -11,6 +11,8 @@
 #include <numeric>
 #include <utility>
 
+#include "interpolation/shell_branches.h"
+
 namespace palpate {
 namespace {
 
@@ -243,7 +245,16 @@ SolutionBranches::SolutionBranches(const TouchToolSpace& tool_space)
       origin_(tool_space.setup.grid.origin) {
   const auto& all = tool_space.configurations;
   const auto has_history = [](const ConfigurationSummary& c) { return c.has_history(); };
-  if (!tool_space.setup.grid.sparse && std::any_of(all.begin(), all.end(), has_history)) {
+  const bool has_levels = std::any_of(all.begin(), all.end(), has_history);
+  if (tool_space.setup.grid.sparse && has_levels) {
+    ShellBranches found = find_shell_branches(tool_space.setup.grid, all);
+    configurations_ = std::move(found.configurations);
+    if (configurations_.size() > 1) {
+      leaves_ = std::move(found.tree);
+      next_ = std::move(found.next);
+      ends_ = std::move(found.ends);
+    }
+  } else if (has_levels) {
     Builder builder(tool_space);
     configurations_ = builder.find();
     if (configurations_.size() > 1) {
@@ -273,7 +284,25 @@ int SolutionBranches::next(int branch, const CheckPoint& cell) const noexcept {
   return next_[at + static_cast<std::size_t>(branch)];
 }
 
+std::ptrdiff_t SolutionBranches::place_of_leaf(const Vec3& t) const noexcept {
+  Vec3 x = (t - origin_) / spacing_ + Vec3::Constant(reach_);
+  x = x.cwiseMax(0).cwiseMin(2.0 * reach_);
+  const std::int32_t leaf = leaves_->locate(x).leaf;
+  const bool is_leaf = leaf >= 0 && leaf < CellTree::kFree;
+  return is_leaf ? leaf * static_cast<std::ptrdiff_t>(configurations_.size()) : -1;
+}
+
+bool SolutionBranches::ends_near(int branch, const Vec3& t) const noexcept {
+  if (!leaves_ || !t.allFinite()) return false;
+  const std::ptrdiff_t place = place_of_leaf(t);
+  return place >= 0 && ends_[static_cast<std::size_t>(place + branch)] != 0;
+}
+
 int SolutionBranches::follow(int branch, const Vec3& t) const noexcept {
+  if (leaves_) {
+    const std::ptrdiff_t place = place_of_leaf(t);
+    return place < 0 ? branch : next_[static_cast<std::size_t>(place + branch)];
+  }
   const std::int32_t n = 2 * reach_;
   CheckPoint cell{};
   /// −1 or 1 along an axis: t lies on the border with the cell before or after.
@@ -295,6 +324,13 @@ int SolutionBranches::follow(int branch, const Vec3& t) const noexcept {
     if (next(branch, other) == branch) return branch;
   }
   return here;
+}
+
+TouchToolSpace on_branch(const TouchToolSpace& tool_space, const SolutionBranches& branches,
+                         int branch) {
+  TouchToolSpace part = restricted(tool_space, branches.configurations(branch));
+  if (branch > 0 && tool_space.setup.grid.sparse) part.clearance = {};
+  return part;
 }
 
 TouchToolSpace restricted(const TouchToolSpace& tool_space,

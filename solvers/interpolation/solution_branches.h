@@ -5,16 +5,20 @@
 // connected by a smooth transition: a body that is moved from one is found at the other, and comes
 // back as far as that was tried. A branch ends where the body jumps, and has no unstable
 // configuration. Where branches join, as around a cusp, they share configurations. A tool space
-// without levels, or with a sparse grid, has one branch of all configurations.
+// without levels has one branch of all configurations. For the space of a rigid tool see
+// shell_branches.h.
 //
 // The body follows its branch. Where the branch has no cell, the body goes to the branch that the
 // transitions from the last corners have reached, or else to that of least energy.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/memory_ranges.h"
+#include "interpolation/cell_tree.h"
 #include "state_space/touch_space.h"
 
 namespace palpate {
@@ -37,14 +41,24 @@ class SolutionBranches {
   /// @note Realtime-safe.
   [[nodiscard]] int move(int branch, const Vec3& from, const Vec3& to) const noexcept;
 
+  /// Whether, in the space of a rigid tool, another branch ends within the cell that has a place:
+  /// it has a configuration at some corners of the cell that this branch has not, but none at
+  /// others.
+  /// @note Realtime-safe.
+  [[nodiscard]] bool ends_near(int branch, const Vec3& t) const noexcept;
+
   /// Memory that move() needs.
   void add_memory(MemoryRanges& ranges) const {
     palpate::add_memory(cells_, ranges);
     palpate::add_memory(next_, ranges);
+    palpate::add_memory(ends_, ranges);
+    if (leaves_) leaves_->add_memory(ranges);
   }
 
  private:
   [[nodiscard]] int follow(int branch, const Vec3& t) const noexcept;
+  /// In the space of a rigid tool, the place in next_ of a cell; −1: the place is in no cell.
+  [[nodiscard]] std::ptrdiff_t place_of_leaf(const Vec3& t) const noexcept;
   /// The branch that the body is on in a cell; if none spans the cell, the branch that it was on.
   [[nodiscard]] int next(int branch, const CheckPoint& cell) const noexcept;
 
@@ -55,10 +69,20 @@ class SolutionBranches {
   /// The first corners of the cells that a branch spans, ascending; empty if there is one branch.
   /// The other cells of the grid, which may be very many, take no memory.
   std::vector<CheckPoint> cells_;
+  /// In the space of a rigid tool with several branches, the cells of all check-points.
+  std::optional<CellTree> leaves_;
   /// For each of these cells and each branch that the body came on, the branch that it goes on with
   /// [cells × size], those of a cell next to each other.
   std::vector<std::int16_t> next_;
+  /// For the same, whether another branch ends within the cell.
+  std::vector<char> ends_;
 };
+
+/// The part of a tool space that is on one of its branches. A rigid tool's further branches know of
+/// no place where it touches nothing but those of their configurations: the body may have been
+/// pressed there.
+[[nodiscard]] TouchToolSpace on_branch(const TouchToolSpace& tool_space,
+                                       const SolutionBranches& branches, int branch);
 
 /// Makes a tool space of some configurations alone, with the intermediate states on the way to
 /// them, and their coefficients of the modes.

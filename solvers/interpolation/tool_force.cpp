@@ -32,37 +32,89 @@ std::optional<RegionWeights> region_weights(const std::vector<const TouchToolSpa
 ToolForce::ToolForce(const std::vector<const TouchToolSpace*>& tool_spaces, Method method,
                      const InterpolationOptions& options)
     : method_(method), options_(options), weights_(region_weights(tool_spaces)) {
+  if (!weights_) {
+    take_only(*tool_spaces.front(), nullptr, {});
+    return;
+  }
   for (const TouchToolSpace* space : tool_spaces) {
     parts_.push_back({space->setup.key(), make_interpolator(method, *space, options)});
   }
-  make_near_states(*tool_spaces.front());
 }
 
 ToolForce::ToolForce(const ToolForce& before, const std::vector<const TouchToolSpace*>& tool_spaces,
                      const ToolSpaceKey& grown, const std::vector<CheckPoint>& changed)
     : method_(before.method_), options_(before.options_), weights_(region_weights(tool_spaces)) {
+  const auto known = [&](const ToolSpaceKey& key) {
+    const auto part = std::find_if(before.parts_.begin(), before.parts_.end(),
+                                   [&](const Part& one) { return one.key == key; });
+    return part == before.parts_.end() ? nullptr : part->force;
+  };
+  if (!weights_) {
+    const TouchToolSpace& only = *tool_spaces.front();
+    const bool grows = before.branches_ == nullptr && only.setup.key() == grown;
+    take_only(only, grows ? known(grown).get() : nullptr, changed);
+    return;
+  }
   for (const TouchToolSpace* space : tool_spaces) {
     const ToolSpaceKey key = space->setup.key();
-    const auto known = std::find_if(before.parts_.begin(), before.parts_.end(),
-                                    [&](const Part& part) { return part.key == key; });
-    const bool is_known = known != before.parts_.end();
-    if (is_known && !(key == grown)) {
-      parts_.push_back(*known);
+    const std::shared_ptr<const Interpolator> earlier = known(key);
+    if (earlier != nullptr && !(key == grown)) {
+      parts_.push_back({key, earlier});
       continue;
     }
-    parts_.push_back({key, make_interpolator(method_, *space, options_,
-                                             is_known ? known->force.get() : nullptr, changed)});
+    parts_.push_back({key, make_interpolator(method_, *space, options_, earlier.get(), changed)});
   }
-  make_near_states(*tool_spaces.front());
 }
 
-void ToolForce::make_near_states(const TouchToolSpace& tool_space) {
-  if (weights_ || !(options_.reach_of_states > 0)) return;
+void ToolForce::take_only(const TouchToolSpace& tool_space, const Interpolator* before,
+                          const std::vector<CheckPoint>& changed) {
+  const ToolSpaceKey key = tool_space.setup.key();
+  auto branches = std::make_shared<const SolutionBranches>(tool_space);
+  if (branches->size() == 1) {
+    parts_.push_back({key, make_interpolator(method_, tool_space, options_, before, changed)});
+  } else {
+    branches_ = std::move(branches);
+    for (int branch = 0; branch < branches_->size(); ++branch) {
+      const TouchToolSpace part = on_branch(tool_space, *branches_, branch);
+      IsFlat& is_flat = is_flat_.emplace_back();
+      for (const ConfigurationSummary& c : part.configurations) is_flat.push_back(c.level == 0);
+      std::shared_ptr<const Interpolator> force = make_interpolator(method_, part, options_);
+      if (branch == 0) {
+        parts_.push_back({key, std::move(force)});
+      } else {
+        on_further_branch_.push_back(std::move(force));
+      }
+    }
+  }
+  if (!(options_.reach_of_states > 0)) return;
   near_ = std::make_shared<const NearStates>(tool_space.configurations, options_.reach_of_states);
 }
 
-TouchResult ToolForce::evaluate_only(const Vec3& x) const noexcept {
-  const Interpolator& only = *parts_.front().force;
+int ToolForce::branch_from_outside(const Vec3& x) const {
+  int most = -1;
+  int best = 0;
+  for (int branch = 0; branch < num_branches(); ++branch) {
+    const CheckPointGrid& grid = at(x, branch).grid();
+    const CheckPointGrid::Location here = grid.locate(x);
+    if (here.place != CheckPointGrid::Place::cell || !grid.is_complete(here.leaf)) continue;
+    int flat = 0;
+    for (const std::int32_t node : grid.leaf(here.leaf).corners) {
+      if (!is_flat_.empty()) flat += is_flat_[branch][grid.configuration(node)];
+    }
+    if (flat <= most) continue;
+    most = flat;
+    best = branch;
+  }
+  return best;
+}
+
+TouchResult ToolForce::evaluate_only(const Vec3& x, int branch) const noexcept {
+  const Interpolator& only = on(branch);
+  if (branches_ != nullptr && branches_->ends_near(branch, x)) {
+    TouchResult result = only.evaluate(x);
+    if (result.support == Support::inside) result.support = Support::marked;
+    return result;
+  }
   if (near_ == nullptr) return only.evaluate(x);
   const CheckPointGrid::Location at = only.locate(x);
   if (!near_->serves(at, x)) return only.evaluate(x);
@@ -77,8 +129,8 @@ TouchResult ToolForce::evaluate_only(const Vec3& x) const noexcept {
   return sum;
 }
 
-TouchResult ToolForce::evaluate(const Vec3& x) const noexcept {
-  if (!weights_) return evaluate_only(x);
+TouchResult ToolForce::evaluate(const Vec3& x, int branch) const noexcept {
+  if (!weights_) return evaluate_only(x, branch);
   if (!x.allFinite()) return {};
   TouchResult sum = TouchResult::empty_sum();
   Vec3 of_transition = Vec3::Zero();
@@ -99,6 +151,12 @@ void ToolForce::add_memory(MemoryRanges& ranges) const {
   palpate::add_memory(parts_, ranges);
   if (weights_) weights_->add_memory(ranges);
   for (const Part& part : parts_) part.force->add_memory(ranges);
+  for (const auto& force : on_further_branch_) force->add_memory(ranges);
+  palpate::add_memory(on_further_branch_, ranges);
+  if (branches_ != nullptr) {
+    ranges.push_back({branches_.get(), sizeof *branches_});
+    branches_->add_memory(ranges);
+  }
   if (near_ != nullptr) {
     ranges.push_back({near_.get(), sizeof *near_});
     near_->add_memory(ranges);

@@ -11,6 +11,11 @@
 // Where a neighbour has no cell, as in a space that is not complete, its part of the band belongs
 // to the others: the force has a step there, as at any border of what is known.
 //
+// A space without regions may have levels (solution_branches.h): the force is that of the branch on
+// which the body is, so the caller says which one, and follows it where the tool moves. In a cell
+// within which another branch ends, the support is `marked`: where the body leaves that branch is
+// not known better.
+//
 // On request, in a space without regions, the force where there is no cell comes from single
 // configurations around (near_states.h). Within half a cell beside a cell it goes over into that.
 #pragma once
@@ -22,6 +27,7 @@
 #include "interpolation/interpolator.h"
 #include "interpolation/near_states.h"
 #include "interpolation/region_weights.h"
+#include "interpolation/solution_branches.h"
 
 namespace palpate {
 
@@ -39,13 +45,29 @@ class ToolForce {
   ToolForce(const ToolForce& before, const std::vector<const TouchToolSpace*>& tool_spaces,
             const ToolSpaceKey& grown, const std::vector<CheckPoint>& changed);
 
+  /// @param branch The branch that the body is on, see move().
   /// @note Realtime-safe.
-  [[nodiscard]] TouchResult evaluate(const Vec3& x) const noexcept;
+  [[nodiscard]] TouchResult evaluate(const Vec3& x, int branch = 0) const noexcept;
+
+  /// The number of branches, at least one. Where the tool touches nothing, the body is on branch 0.
+  [[nodiscard]] int num_branches() const { return branches_ == nullptr ? 1 : branches_->size(); }
+  /// The branch that the body is on after the tool was moved straight from one place to another.
+  /// @param branch The branch at the start.
+  /// @note Realtime-safe.
+  [[nodiscard]] int move(int branch, const Vec3& from, const Vec3& to) const noexcept {
+    return branches_ == nullptr ? 0 : branches_->move(branch, from, to);
+  }
+  /// The branch of a tool that has come from outside along the normal of the surface: that with the
+  /// most configurations of level 0 around a place.
+  [[nodiscard]] int branch_from_outside(const Vec3& x) const;
+  /// nullptr: there is one branch.
+  [[nodiscard]] const SolutionBranches* branches() const { return branches_.get(); }
 
   /// The force by the tool space that has the most weight at a place. That alone tells where the
   /// place lies among the check-points: neighbouring regions reach across their band.
   /// @note Realtime-safe.
-  [[nodiscard]] const Interpolator& at(const Vec3& x) const noexcept {
+  [[nodiscard]] const Interpolator& at(const Vec3& x, int branch = 0) const noexcept {
+    if (branches_ != nullptr) return on(branch);
     std::size_t leading = 0;
     double most = 0;
     visit_weights(x, [&](std::size_t part, double weight) {
@@ -57,8 +79,8 @@ class ToolForce {
   }
   /// Whether a place is in a cell of the space.
   /// @note Realtime-safe.
-  [[nodiscard]] bool has_cell(const Vec3& x) const noexcept {
-    return at(x).locate(x).place == CheckPointGrid::Place::cell;
+  [[nodiscard]] bool has_cell(const Vec3& x, int branch = 0) const noexcept {
+    return at(x, branch).locate(x).place == CheckPointGrid::Place::cell;
   }
 
   /// Whether a place is in no cell, and its force comes from configurations around.
@@ -80,15 +102,22 @@ class ToolForce {
   }
   /// The force by one of the tool spaces alone.
   [[nodiscard]] const Interpolator& part(std::size_t number) const { return *parts_[number].force; }
+  /// The force on one of the branches.
+  [[nodiscard]] const Interpolator& on(int branch) const noexcept {
+    return branch == 0 ? *parts_.front().force
+                       : *on_further_branch_[static_cast<std::size_t>(branch) - 1];
+  }
   [[nodiscard]] std::size_t size() const { return parts_.size(); }
   /// Distance of neighbouring check-points, m.
   [[nodiscard]] double spacing() const noexcept { return parts_.front().force->spacing(); }
   void add_memory(MemoryRanges& ranges) const;
 
  private:
-  void make_near_states(const TouchToolSpace& tool_space);
+  /// Makes the force of a space that is for the whole organ.
+  void take_only(const TouchToolSpace& tool_space, const Interpolator* before,
+                 const std::vector<CheckPoint>& changed);
   /// The force where there is one tool space.
-  [[nodiscard]] TouchResult evaluate_only(const Vec3& x) const noexcept;
+  [[nodiscard]] TouchResult evaluate_only(const Vec3& x, int branch) const noexcept;
 
   struct Part {
     ToolSpaceKey key;
@@ -127,6 +156,9 @@ class ToolForce {
     }
   }
 
+  /// Of a configuration on a branch, whether it is of level 0.
+  using IsFlat = std::vector<char>;
+
   Method method_;
   InterpolationOptions options_;
   /// In the order of the tool spaces.
@@ -134,6 +166,11 @@ class ToolForce {
   /// Nothing: there is one tool space, for the whole organ.
   std::optional<RegionWeights> weights_;
   std::shared_ptr<const NearStates> near_;
+  /// null: there is one branch.
+  std::shared_ptr<const SolutionBranches> branches_;
+  std::vector<std::shared_ptr<const Interpolator>> on_further_branch_;
+  /// For each branch.
+  std::vector<IsFlat> is_flat_;
 };
 
 /// The weights of tool spaces of a rigid tool; nothing where there is one, for the whole organ.

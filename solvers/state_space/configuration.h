@@ -30,12 +30,20 @@ inline constexpr int num_neighbours = 27;
 [[nodiscard]] inline CheckPoint neighbour(const CheckPoint& p, int number) {
   return {p[0] + number / 9 - 1, p[1] + number / 3 % 3 - 1, p[2] + number % 3 - 1};
 }
-/// The number of q among the neighbours of p; −1: it is not one of them.
+/// The check-point that is some steps away in the direction of a neighbour.
+[[nodiscard]] inline CheckPoint neighbour(const CheckPoint& p, int number, std::int32_t steps) {
+  const CheckPoint way = neighbour({}, number);
+  return {p[0] + steps * way[0], p[1] + steps * way[1], p[2] + steps * way[2]};
+}
+/// The number of the neighbour of p in whose direction q lies, however far; −1: it lies in none.
 [[nodiscard]] inline int neighbour_number(const CheckPoint& p, const CheckPoint& q) {
+  std::int64_t steps = 0;
+  for (int k = 0; k < 3; ++k) steps = std::max(steps, std::abs(std::int64_t{q[k]} - p[k]));
   int number = 0;
   for (int k = 0; k < 3; ++k) {
-    if (std::abs(q[k] - p[k]) > 1) return -1;
-    number = 3 * number + q[k] - p[k] + 1;
+    const std::int64_t way = std::int64_t{q[k]} - p[k];
+    if (way != 0 && std::abs(way) != steps) return -1;
+    number = 3 * number + (way > 0) - (way < 0) + 1;
   }
   return number;
 }
@@ -67,7 +75,9 @@ struct CheckPointBox {
 /// what its law describes, and so finds ever more equilibria, would never be explored to the end.
 inline constexpr std::int32_t kMostLevels = 64;
 
-/// The levels reached by transitions to the neighbours of a check-point, by their numbers.
+/// The levels reached by transitions to the neighbours of a check-point, by their numbers. Where
+/// cells differ in size, the neighbour is the nearest check-point in its direction that is a corner
+/// of a cell.
 using Reached = std::array<std::int32_t, num_neighbours>;
 /// These stand in place of a level where the transition was not tried, has failed, or has found a
 /// configuration beyond the kMostLevels of its check-point.
@@ -292,6 +302,47 @@ template <class Fields>
 /// The order in which configurations are kept: by check-point, then level.
 [[nodiscard]] inline bool operator<(const ConfigurationSummary& a, const ConfigurationSummary& b) {
   return a.check_point != b.check_point ? a.check_point < b.check_point : a.level < b.level;
+}
+
+/// The first configuration of a check-point, of a level or a higher one; the end of the list: there
+/// is none.
+/// @param configurations They are in the order of operator<.
+template <class Configurations>
+[[nodiscard]] auto find_level(Configurations& configurations, const CheckPoint& p,
+                              std::int32_t level) {
+  ConfigurationSummary sought;
+  sought.check_point = p;
+  sought.level = level;
+  const auto found = std::lower_bound(
+      configurations.begin(), configurations.end(), sought,
+      [](const ConfigurationSummary& a, const ConfigurationSummary& b) { return a < b; });
+  return found != configurations.end() && found->check_point == p ? found : configurations.end();
+}
+
+/// The nearest check-point in the direction of a neighbour that has a configuration, as cells have
+/// sides of a power of two; p itself: there is none within kFarthestNeighbour steps.
+/// @param configurations They are in the order of operator<.
+inline constexpr std::int32_t kFarthestNeighbour = 64;
+template <class Configurations>
+[[nodiscard]] CheckPoint nearest_neighbour(const Configurations& configurations,
+                                           const CheckPoint& p, int number) {
+  for (std::int32_t steps = 1; steps <= kFarthestNeighbour; steps *= 2) {
+    const CheckPoint q = neighbour(p, number, steps);
+    if (find_level(configurations, q, 0) != configurations.end()) return q;
+  }
+  return p;
+}
+
+/// Notes at the start of a transition what it has reached, unless a check-point that was found
+/// later lies between its ends.
+/// @param configurations They are in the order of operator<.
+template <class Configurations>
+void note(const LevelTransition& transition, Configurations& configurations) {
+  const auto start = find_level(configurations, transition.start, transition.start_level);
+  if (start == configurations.end() || start->level != transition.start_level) return;
+  const int number = neighbour_number(transition.start, transition.target);
+  if (nearest_neighbour(configurations, transition.start, number) != transition.target) return;
+  start->reached[number] = transition.reached;
 }
 
 }  // namespace palpate

@@ -112,11 +112,7 @@ void add_with_way(Tables& tables, const ToolSpaceKey& key, const Configuration& 
 std::vector<Configuration> read_summaries(const Tables& tables, const ToolSpaceKey& key) {
   std::vector<Configuration> configurations = tables.configurations.read_settled(key);
   for (const LevelTransition& transition : tables.transitions.read_linked(key, configurations)) {
-    Configuration start;
-    start.check_point = transition.start;
-    start.level = transition.start_level;
-    std::lower_bound(configurations.begin(), configurations.end(), start)
-        ->reached[neighbour_number(transition.start, transition.target)] = transition.reached;
+    note(transition, configurations);
   }
   return configurations;
 }

@@ -501,7 +501,7 @@ void pqPalpateTouch::show()
   const palpate::BodyId body = holds ? contact.bodies[0]
     : presses                        ? palpate::kFirstBody
                                      : session.OnBody;
-  const int branch = holds ? contact.branches[0] : 0;
+  const int branch = touches ? contact.branches[0] : 0;
   const Vec3 displacement = holds ? contact.displacement : Vec3::Zero();
   const Vec3 pressed = presses ? contact.anchor : session.Away();
   const bool grew = presses && std::exchange(session.HasGrown, false);
@@ -523,7 +523,7 @@ void pqPalpateTouch::show()
     }
     else
     {
-      session.BodyView->ShowPressed(pressed.data(), grew);
+      session.BodyView->ShowPressed(pressed.data(), branch, grew);
     }
     // That a server is gone is noticed only when something is sent to it, so that the session may
     // have ended here.

@@ -254,7 +254,7 @@ void pqPalpateBodyView::Show(int node, vtkIdType body, int branch, const double*
   this->Take(filter, isKnown);
 }
 
-void pqPalpateBodyView::ShowPressed(const double* place, bool grew)
+void pqPalpateBodyView::ShowPressed(const double* place, int branch, bool grew)
 {
   vtkSMProxy* filter = this->Filter->getProxy();
   auto* object = grew ? vtkObject::SafeDownCast(filter->GetClientSideObject()) : nullptr;
@@ -266,6 +266,9 @@ void pqPalpateBodyView::ShowPressed(const double* place, bool grew)
   vtkSMPropertyHelper(filter, "ActiveNode").Set(static_cast<vtkIdType>(FirstOfSpace));
   vtkSMPropertyHelper(filter, "BodyNumber").Set(FirstBody);
   vtkSMPropertyHelper(filter, "ToolPosition").Set(place, 3);
+  // The loop has already followed the tool to this place.
+  vtkSMPropertyHelper(filter, "StartBranch").Set(-1);
+  vtkSMPropertyHelper(filter, "Branch").Set(branch);
   this->Take(filter, isKnown);
 }
 

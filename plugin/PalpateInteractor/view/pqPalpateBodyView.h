@@ -51,8 +51,9 @@ public:
   /// @param displacement The displacement of the node [3], m.
   void Show(int node, vtkIdType body, int branch, const double* displacement);
   /// @param place The place of the rigid tool [3], m.
+  /// @param branch The branch that the body is on there.
   /// @param grew Whether more of the space is known, so that the same place may look different.
-  void ShowPressed(const double* place, bool grew);
+  void ShowPressed(const double* place, int branch, bool grew);
   /// @param coordinates All coordinates of the reduced body; none: the body is at rest.
   /// @param number The number of coordinates.
   void ShowReduced(const double* coordinates, unsigned int number);

@@ -108,6 +108,9 @@ void pqPalpatePictures::touchSelected(pqOutputPort* space)
       {
         // The coordinates of a rigid tool are its place.
         vtkSMPropertyHelper(touch, "ToolPosition").Set(displacement, 3);
+        vtkSMPropertyHelper(touch, "FromStart").Set(0);
+        vtkSMPropertyHelper(touch, "StartBranch").Set(-1);
+        vtkSMPropertyHelper(touch, "Branch").Set(-1);
       }
       else
       {

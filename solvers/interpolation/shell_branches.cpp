@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/shell_branches.h"
+
+#include <algorithm>
+#include <deque>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "interpolation/branch_test.h"
+#include "interpolation/leaf_edges.h"
+
+namespace palpate {
+namespace {
+
+/// The number of layers of cells around what is new on a branch that it has too, and how many of
+/// them the body stays on it.
+constexpr int kMargin = 5;
+constexpr int kReturns = 3;
+
+class ShellBuilder {
+ public:
+  ShellBuilder(const Grid& grid, const std::vector<ConfigurationSummary>& all)
+      : all_(all), tree_(grid, all), edges_(tree_), fit_(all), covered_(all.size(), 0) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (!all[i].usable() || (all[i].flags & flags::unstable) != 0) continue;
+      at_[all[i].check_point].push_back(static_cast<std::int32_t>(i));
+    }
+  }
+
+  ShellBranches find() {
+    grow_first();
+    for (const std::int32_t seed : seeds()) {
+      if (covered_[seed] == 0 && branches_.size() < kMost) grow_further(seed);
+    }
+    ShellBranches result{{}, tree_, next(), ends()};
+    for (const Branch& branch : branches_) {
+      std::vector<std::int32_t>& members = result.configurations.emplace_back();
+      for (const auto& [p, member] : branch) members.push_back(member.configuration);
+      std::sort(members.begin(), members.end());
+    }
+    return result;
+  }
+
+ private:
+  static constexpr std::size_t kMost = std::numeric_limits<std::int16_t>::max();
+
+  struct Member {
+    std::int32_t configuration = 0;
+    /// The number of layers of cells from what is new on the branch.
+    int layer = 0;
+  };
+  using Branch = std::map<CheckPoint, Member>;
+
+  [[nodiscard]] bool touches_nothing(std::int32_t i) const {
+    return all_[i].level == 0 && (all_[i].flags & flags::touches_nothing) != 0;
+  }
+  /// All configurations from which others may be reached: those where the tool touches nothing
+  /// first, then by level and check-point.
+  [[nodiscard]] std::vector<std::int32_t> seeds() const {
+    std::vector<std::int32_t> seeds;
+    for (const auto& [p, here] : at_) {
+      for (const std::int32_t i : here) {
+        if (all_[i].leads_on()) seeds.push_back(i);
+      }
+    }
+    const auto rank = [&](std::int32_t i) {
+      return std::pair(touches_nothing(i) ? 0 : 1, all_[i].level);
+    };
+    std::stable_sort(seeds.begin(), seeds.end(),
+                     [&](std::int32_t a, std::int32_t b) { return rank(a) < rank(b); });
+    return seeds;
+  }
+
+  [[nodiscard]] const std::vector<std::int32_t>& list_at(const CheckPoint& p) const {
+    static const std::vector<std::int32_t> none;
+    const auto here = at_.find(p);
+    return here == at_.end() ? none : here->second;
+  }
+
+  /// The number of the configurations at a check-point that fit one.
+  [[nodiscard]] std::ptrdiff_t num_fitting(const CheckPoint& p,
+                                           const ConfigurationSummary& to_fit) const {
+    const std::vector<std::int32_t>& here = list_at(p);
+    return std::count_if(here.begin(), here.end(),
+                         [&](std::int32_t i) { return fit_.fits(all_[i], to_fit); });
+  }
+
+  enum class Way { unknown, smooth, broken };
+  [[nodiscard]] Way way_between(const ConfigurationSummary& a,
+                                const ConfigurationSummary& b) const {
+    const std::int32_t there = a.reached[neighbour_number(a.check_point, b.check_point)];
+    const std::int32_t back = b.reached[neighbour_number(b.check_point, a.check_point)];
+    const bool has_gone = there == b.level;
+    const bool has_come = back == a.level;
+    if ((there != not_tried && !has_gone) || (back != not_tried && !has_come)) return Way::broken;
+    if (has_gone && has_come) return Way::smooth;
+    const bool is_only = list_at(a.check_point).size() == 1 && list_at(b.check_point).size() == 1;
+    if (is_only && !has_gone && !has_come) return Way::smooth;
+    if (!fit_.fits(a, b)) return has_gone || has_come ? Way::broken : Way::unknown;
+    const bool fits_only = num_fitting(a.check_point, b) == 1 && num_fitting(b.check_point, a) == 1;
+    return has_gone || has_come || fits_only ? Way::smooth : Way::unknown;
+  }
+
+  template <class Visit>
+  void for_each_neighbour(const ConfigurationSummary& c, Visit&& visit) const {
+    for (const CheckPoint& q : edges_.neighbours(c.check_point)) {
+      for (const std::int32_t i : list_at(q)) visit(i);
+    }
+  }
+
+  /// Whether a configuration may join a branch beside another one of it.
+  [[nodiscard]] bool may_join(const Branch& branch, const ConfigurationSummary& from,
+                              const ConfigurationSummary& c) const {
+    if (branch.count(c.check_point) > 0 || way_between(from, c) != Way::smooth) return false;
+    return !is_broken(branch, c);
+  }
+  [[nodiscard]] bool is_broken(const Branch& branch, const ConfigurationSummary& c) const {
+    bool broken = false;
+    for_each_neighbour(c, [&](std::int32_t i) {
+      const auto here = branch.find(all_[i].check_point);
+      broken = broken || (here != branch.end() && here->second.configuration == i &&
+                          way_between(all_[i], c) == Way::broken);
+    });
+    return broken;
+  }
+
+  /// Adds to a branch what is connected with its border.
+  /// @param is_wanted Of the configurations that may join. @param layer That of those that do.
+  template <class Wanted>
+  void spread(Branch& branch, std::deque<std::int32_t> border, int layer, bool goes_on,
+              std::vector<std::int32_t>& joined, Wanted&& is_wanted) const {
+    while (!border.empty()) {
+      const ConfigurationSummary& from = all_[border.front()];
+      border.pop_front();
+      if (!from.leads_on()) continue;
+      for_each_neighbour(from, [&](std::int32_t i) {
+        if (!is_wanted(i) || !may_join(branch, from, all_[i])) return;
+        branch.emplace(all_[i].check_point, Member{i, layer});
+        joined.push_back(i);
+        if (goes_on) border.push_back(i);
+      });
+    }
+  }
+
+  void grow_first() {
+    Branch branch;
+    const auto any = [](std::int32_t /*i*/) { return true; };
+    std::vector<std::int32_t> joined;
+    std::deque<std::int32_t> border;
+    for (const std::int32_t seed : seeds()) {
+      if (!touches_nothing(seed)) continue;
+      branch.emplace(all_[seed].check_point, Member{seed, 0});
+      border.push_back(seed);
+    }
+    spread(branch, border, 0, true, joined, any);
+    // What is connected with no place where the tool touches nothing.
+    for (const std::int32_t seed : seeds()) {
+      const ConfigurationSummary& c = all_[seed];
+      if (c.level != 0 || branch.count(c.check_point) > 0 || is_broken(branch, c)) continue;
+      branch.emplace(c.check_point, Member{seed, 0});
+      spread(branch, {seed}, 0, true, joined, any);
+    }
+    for (const auto& [p, member] : branch) covered_[member.configuration] = 1;
+    take(std::move(branch));
+  }
+
+  void grow_further(std::int32_t seed) {
+    Branch branch;
+    branch.emplace(all_[seed].check_point, Member{seed, 0});
+    std::vector<std::int32_t> joined{seed};
+    spread(branch, {seed}, 0, true, joined, [&](std::int32_t i) { return covered_[i] == 0; });
+    for (const std::int32_t i : joined) covered_[i] = 1;
+    for (int layer = 1; layer <= kMargin; ++layer) {
+      std::vector<std::int32_t> margin;
+      spread(branch, {joined.begin(), joined.end()}, layer, false, margin,
+             [](std::int32_t /*i*/) { return true; });
+      joined = std::move(margin);
+    }
+    take(std::move(branch));
+  }
+
+  /// Keeps a branch, unless it is a further one that spans no leaf.
+  void take(Branch branch) {
+    const auto& leaves = tree_.leaves();
+    std::vector<std::int32_t> spanned;
+    for (std::size_t l = 0; l < leaves.size(); ++l) {
+      int corners = 0;
+      while (corners < 8 && branch.count(corner_of(leaves[l].cell, corners)) > 0) ++corners;
+      if (corners == 8) spanned.push_back(static_cast<std::int32_t>(l));
+    }
+    if (!branches_.empty() && spanned.empty()) return;
+    for (const std::int32_t l : spanned) branches_at_[l].push_back(branches_.size());
+    branches_.push_back(std::move(branch));
+  }
+
+  [[nodiscard]] std::vector<std::int16_t> next() const {
+    std::vector<std::int16_t> all;
+    const std::size_t num_leaves = tree_.leaves().size();
+    all.reserve(num_leaves * branches_.size());
+    for (std::size_t l = 0; l < num_leaves; ++l) {
+      const auto here = branches_at_.find(static_cast<std::int32_t>(l));
+      for (std::size_t s = 0; s < branches_.size(); ++s) {
+        all.push_back(here == branches_at_.end()
+                          ? static_cast<std::int16_t>(s)
+                          : next_of(s, tree_.leaves()[l].cell, here->second));
+      }
+    }
+    return all;
+  }
+
+  /// Whether a branch has all corners of a cell, and another one, which has not, has something else
+  /// at one of them.
+  [[nodiscard]] std::vector<char> ends() const {
+    std::vector<char> all;
+    for (const CellTree::Leaf& leaf : tree_.leaves()) {
+      // Where each corner has one level, no branch has something else than another.
+      bool has_levels = false;
+      for (int corner = 0; corner < 8; ++corner) {
+        has_levels = has_levels || list_at(corner_of(leaf.cell, corner)).size() > 1;
+      }
+      for (std::size_t s = 0; s < branches_.size(); ++s) {
+        const bool may_end = has_levels && num_shared(branches_[s], branches_[s], leaf.cell) == 8;
+        const bool ends =
+            may_end && std::any_of(branches_.begin(), branches_.end(), [&](const Branch& other) {
+              return ends_within(other, branches_[s], leaf.cell);
+            });
+        all.push_back(ends ? 1 : 0);
+      }
+    }
+    return all;
+  }
+  [[nodiscard]] bool ends_within(const Branch& other, const Branch& own, const Cell& cell) const {
+    int has = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      if (other.count(corner_of(cell, corner)) > 0) ++has;
+    }
+    return has > 0 && has < 8 && num_shared(other, own, cell) < has;
+  }
+
+  /// The number of corners of a cell at which two branches have the same configuration.
+  [[nodiscard]] int num_shared(const Branch& a, const Branch& b, const Cell& cell) const {
+    int shared = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const CheckPoint p = corner_of(cell, corner);
+      const auto of_a = a.find(p);
+      const auto of_b = b.find(p);
+      if (of_a != a.end() && of_b != b.end() &&
+          of_a->second.configuration == of_b->second.configuration) {
+        ++shared;
+      }
+    }
+    return shared;
+  }
+
+  [[nodiscard]] double energy(const Branch& branch, const Cell& cell) const {
+    double sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      sum += all_[branch.at(corner_of(cell, corner)).configuration].energy;
+    }
+    return sum / 8;
+  }
+
+  /// Whether the body goes back from a cell of a further branch to an earlier one.
+  [[nodiscard]] static bool returns(const Branch& branch, const Cell& cell) {
+    for (int corner = 0; corner < 8; ++corner) {
+      if (branch.at(corner_of(cell, corner)).layer < kReturns) return false;
+    }
+    return true;
+  }
+
+  /// @param here The branches that span the cell.
+  [[nodiscard]] std::int16_t next_of(std::size_t branch, const Cell& cell,
+                                     const std::vector<std::size_t>& here) const {
+    const Branch& own = branches_[branch];
+    if (std::find(here.begin(), here.end(), branch) != here.end()) {
+      const bool stays = branch == 0 || !returns(own, cell);
+      for (const std::size_t s : here) {
+        if (!stays && s < branch && num_shared(own, branches_[s], cell) == 8) {
+          return static_cast<std::int16_t>(s);
+        }
+      }
+      return static_cast<std::int16_t>(branch);
+    }
+    // The branch with which more corners are shared comes first, then that of less energy.
+    const auto rank = [&](std::size_t s) {
+      return std::pair(-num_shared(own, branches_[s], cell), energy(branches_[s], cell));
+    };
+    return static_cast<std::int16_t>(*std::min_element(
+        here.begin(), here.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); }));
+  }
+
+  const std::vector<ConfigurationSummary>& all_;
+  CellTree tree_;
+  LeafEdges edges_;
+  EdgeFit fit_;
+  /// The usable and stable configurations, by check-point.
+  std::map<CheckPoint, std::vector<std::int32_t>> at_;
+  /// Whether each configuration is new on a branch that was found.
+  std::vector<char> covered_;
+  std::vector<Branch> branches_;
+  /// The branches that span a leaf, by its number.
+  std::map<std::int32_t, std::vector<std::size_t>> branches_at_;
+};
+
+}  // namespace
+
+ShellBranches find_shell_branches(const Grid& grid,
+                                  const std::vector<ConfigurationSummary>& configurations) {
+  return ShellBuilder(grid, configurations).find();
+}
+
+}  // namespace palpate
