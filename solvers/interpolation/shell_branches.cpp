@@ -38,6 +38,13 @@ class ShellBuilder {
     for (const Branch& branch : branches_) {
       std::vector<std::int32_t>& members = result.configurations.emplace_back();
       for (const auto& [p, member] : branch) members.push_back(member.configuration);
+    }
+    std::vector<std::int32_t>& flat = result.configurations.front();
+    flat.clear();
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      if (all_[i].level == 0) flat.push_back(static_cast<std::int32_t>(i));
+    }
+    for (std::vector<std::int32_t>& members : result.configurations) {
       std::sort(members.begin(), members.end());
     }
     return result;
@@ -94,13 +101,15 @@ class ShellBuilder {
     const std::int32_t back = b.reached[neighbour_number(b.check_point, a.check_point)];
     const bool has_gone = there == b.level;
     const bool has_come = back == a.level;
-    if ((there != not_tried && !has_gone) || (back != not_tried && !has_come)) return Way::broken;
+    const bool is_tried = there != not_tried || back != not_tried;
     if (has_gone && has_come) return Way::smooth;
+    if (has_gone || has_come) return fit_.fits(a, b) ? Way::smooth : Way::broken;
+    if (is_tried) return Way::broken;
     const bool is_only = list_at(a.check_point).size() == 1 && list_at(b.check_point).size() == 1;
-    if (is_only && !has_gone && !has_come) return Way::smooth;
-    if (!fit_.fits(a, b)) return has_gone || has_come ? Way::broken : Way::unknown;
+    if (is_only) return Way::smooth;
+    if (!fit_.fits(a, b)) return Way::unknown;
     const bool fits_only = num_fitting(a.check_point, b) == 1 && num_fitting(b.check_point, a) == 1;
-    return has_gone || has_come || fits_only ? Way::smooth : Way::unknown;
+    return fits_only ? Way::smooth : Way::unknown;
   }
 
   template <class Visit>
@@ -146,7 +155,7 @@ class ShellBuilder {
 
   void grow_first() {
     Branch branch;
-    const auto any = [](std::int32_t /*i*/) { return true; };
+    const auto is_flat = [&](std::int32_t i) { return all_[i].level == 0; };
     std::vector<std::int32_t> joined;
     std::deque<std::int32_t> border;
     for (const std::int32_t seed : seeds()) {
@@ -154,13 +163,13 @@ class ShellBuilder {
       branch.emplace(all_[seed].check_point, Member{seed, 0});
       border.push_back(seed);
     }
-    spread(branch, border, 0, true, joined, any);
+    spread(branch, border, 0, true, joined, is_flat);
     // What is connected with no place where the tool touches nothing.
     for (const std::int32_t seed : seeds()) {
       const ConfigurationSummary& c = all_[seed];
       if (c.level != 0 || branch.count(c.check_point) > 0 || is_broken(branch, c)) continue;
       branch.emplace(c.check_point, Member{seed, 0});
-      spread(branch, {seed}, 0, true, joined, any);
+      spread(branch, {seed}, 0, true, joined, is_flat);
     }
     for (const auto& [p, member] : branch) covered_[member.configuration] = 1;
     take(std::move(branch));
@@ -203,40 +212,36 @@ class ShellBuilder {
       const auto here = branches_at_.find(static_cast<std::int32_t>(l));
       for (std::size_t s = 0; s < branches_.size(); ++s) {
         all.push_back(here == branches_at_.end()
-                          ? static_cast<std::int16_t>(s)
+                          ? std::int16_t{0}
                           : next_of(s, tree_.leaves()[l].cell, here->second));
       }
     }
     return all;
   }
 
-  /// Whether a branch has all corners of a cell, and another one, which has not, has something else
-  /// at one of them.
+  /// Whether a branch ends within each cell: a configuration at a corner is on none of the branches
+  /// that span the cell.
   [[nodiscard]] std::vector<char> ends() const {
     std::vector<char> all;
-    for (const CellTree::Leaf& leaf : tree_.leaves()) {
-      // Where each corner has one level, no branch has something else than another.
-      bool has_levels = false;
-      for (int corner = 0; corner < 8; ++corner) {
-        has_levels = has_levels || list_at(corner_of(leaf.cell, corner)).size() > 1;
-      }
-      for (std::size_t s = 0; s < branches_.size(); ++s) {
-        const bool may_end = has_levels && num_shared(branches_[s], branches_[s], leaf.cell) == 8;
-        const bool ends =
-            may_end && std::any_of(branches_.begin(), branches_.end(), [&](const Branch& other) {
-              return ends_within(other, branches_[s], leaf.cell);
-            });
-        all.push_back(ends ? 1 : 0);
-      }
+    for (std::size_t l = 0; l < tree_.leaves().size(); ++l) {
+      const auto here = branches_at_.find(static_cast<std::int32_t>(l));
+      all.push_back(
+          here == branches_at_.end() || ends_within(tree_.leaves()[l].cell, here->second) ? 1 : 0);
     }
     return all;
   }
-  [[nodiscard]] bool ends_within(const Branch& other, const Branch& own, const Cell& cell) const {
-    int has = 0;
+  [[nodiscard]] bool ends_within(const Cell& cell, const std::vector<std::size_t>& here) const {
     for (int corner = 0; corner < 8; ++corner) {
-      if (other.count(corner_of(cell, corner)) > 0) ++has;
+      const CheckPoint p = corner_of(cell, corner);
+      for (const std::int32_t i : list_at(p)) {
+        if (!all_[i].leads_on()) continue;
+        const bool is_spanned = std::any_of(here.begin(), here.end(), [&](std::size_t s) {
+          return branches_[s].at(p).configuration == i;
+        });
+        if (!is_spanned) return true;
+      }
     }
-    return has > 0 && has < 8 && num_shared(other, own, cell) < has;
+    return false;
   }
 
   /// The number of corners of a cell at which two branches have the same configuration.

@@ -2,16 +2,20 @@
 // The solution branches of a rigid tool's space with levels: the sides to which the body may have
 // given way.
 //
-// Branch 0 has all places where the tool touches nothing, and from there on what is connected with
-// them; at a ridge, that of one side. Each further branch has what the ones before lack and a
-// margin of kMargin layers of cells around that, so that it carries no copy of the whole space.
-// Within the margin both branches have the same configurations, and from kReturns layers on the
-// body goes back to the earlier one: there the rows of nodes of both are complete, so that the
-// force is the same.
+// Branch 0 is the flat space: all configurations of level 0. It spans the cells between those that
+// are connected, beginning where the tool touches nothing; at a ridge, those of one side. Each
+// further branch has what is not connected with it, of level 0 or above, and a margin of kMargin
+// layers of cells around that, so that it carries no copy of the whole space. Within the margin
+// both branches have the same configurations, and from kReturns layers on the body goes back to the
+// earlier one: there the rows of nodes of both are complete, so that the force is the same.
 //
-// Two configurations at the ends of an edge are connected if transitions between them have reached
-// each other smoothly (EdgeFit); or, where none was made, if each fits no other level of the other
-// end.
+// Where no branch spans a cell the body is on branch 0, which has the one side beside the other
+// there, and the cell counts as one in which a branch ends.
+//
+// Two configurations at the ends of an edge are connected if a transition from one to the other was
+// made, and was smooth (EdgeFit); or, where none was made, if each fits no other level of the other
+// end. Where two sides join, as where the tool leaves a ridge, both are connected with the same
+// configuration, though the way back leads to one of them alone.
 #pragma once
 
 #include <cstdint>
@@ -30,8 +34,8 @@ struct ShellBranches {
   /// For each leaf and each branch that the body came on, the branch that it goes on with [leaves ×
   /// branches].
   std::vector<std::int16_t> next;
-  /// For the same, whether another branch ends within the leaf: it has a configuration at some
-  /// corners that this branch has not, but none at others [leaves × branches].
+  /// For each leaf, whether a branch ends within it: a configuration at a corner is on none of the
+  /// branches that span it.
   std::vector<char> ends;
 };
 

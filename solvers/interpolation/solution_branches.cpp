@@ -284,24 +284,25 @@ int SolutionBranches::next(int branch, const CheckPoint& cell) const noexcept {
   return next_[at + static_cast<std::size_t>(branch)];
 }
 
-std::ptrdiff_t SolutionBranches::place_of_leaf(const Vec3& t) const noexcept {
+std::int32_t SolutionBranches::leaf_at(const Vec3& t) const noexcept {
   Vec3 x = (t - origin_) / spacing_ + Vec3::Constant(reach_);
   x = x.cwiseMax(0).cwiseMin(2.0 * reach_);
   const std::int32_t leaf = leaves_->locate(x).leaf;
-  const bool is_leaf = leaf >= 0 && leaf < CellTree::kFree;
-  return is_leaf ? leaf * static_cast<std::ptrdiff_t>(configurations_.size()) : -1;
+  return leaf < CellTree::kFree ? leaf : -1;
 }
 
-bool SolutionBranches::ends_near(int branch, const Vec3& t) const noexcept {
+bool SolutionBranches::ends_near(const Vec3& t) const noexcept {
   if (!leaves_ || !t.allFinite()) return false;
-  const std::ptrdiff_t place = place_of_leaf(t);
-  return place >= 0 && ends_[static_cast<std::size_t>(place + branch)] != 0;
+  const std::int32_t leaf = leaf_at(t);
+  return leaf >= 0 && ends_[static_cast<std::size_t>(leaf)] != 0;
 }
 
 int SolutionBranches::follow(int branch, const Vec3& t) const noexcept {
   if (leaves_) {
-    const std::ptrdiff_t place = place_of_leaf(t);
-    return place < 0 ? branch : next_[static_cast<std::size_t>(place + branch)];
+    const std::int32_t leaf = leaf_at(t);
+    if (leaf < 0) return branch;
+    const std::size_t at = static_cast<std::size_t>(leaf) * configurations_.size();
+    return next_[at + static_cast<std::size_t>(branch)];
   }
   const std::int32_t n = 2 * reach_;
   CheckPoint cell{};

@@ -41,11 +41,10 @@ class SolutionBranches {
   /// @note Realtime-safe.
   [[nodiscard]] int move(int branch, const Vec3& from, const Vec3& to) const noexcept;
 
-  /// Whether, in the space of a rigid tool, another branch ends within the cell that has a place:
-  /// it has a configuration at some corners of the cell that this branch has not, but none at
-  /// others.
+  /// Whether, in the space of a rigid tool, a branch ends within the cell that has a place: a
+  /// configuration at a corner is on none of the branches that span the cell.
   /// @note Realtime-safe.
-  [[nodiscard]] bool ends_near(int branch, const Vec3& t) const noexcept;
+  [[nodiscard]] bool ends_near(const Vec3& t) const noexcept;
 
   /// Memory that move() needs.
   void add_memory(MemoryRanges& ranges) const {
@@ -57,8 +56,8 @@ class SolutionBranches {
 
  private:
   [[nodiscard]] int follow(int branch, const Vec3& t) const noexcept;
-  /// In the space of a rigid tool, the place in next_ of a cell; −1: the place is in no cell.
-  [[nodiscard]] std::ptrdiff_t place_of_leaf(const Vec3& t) const noexcept;
+  /// In the space of a rigid tool, the leaf that has a place; −1: there is none.
+  [[nodiscard]] std::int32_t leaf_at(const Vec3& t) const noexcept;
   /// The branch that the body is on in a cell; if none spans the cell, the branch that it was on.
   [[nodiscard]] int next(int branch, const CheckPoint& cell) const noexcept;
 
@@ -74,7 +73,7 @@ class SolutionBranches {
   /// For each of these cells and each branch that the body came on, the branch that it goes on with
   /// [cells × size], those of a cell next to each other.
   std::vector<std::int16_t> next_;
-  /// For the same, whether another branch ends within the cell.
+  /// For each leaf, whether a branch ends within it.
   std::vector<char> ends_;
 };
 

@@ -110,7 +110,7 @@ int ToolForce::branch_from_outside(const Vec3& x) const {
 
 TouchResult ToolForce::evaluate_only(const Vec3& x, int branch) const noexcept {
   const Interpolator& only = on(branch);
-  if (branches_ != nullptr && branches_->ends_near(branch, x)) {
+  if (branches_ != nullptr && branches_->ends_near(x)) {
     TouchResult result = only.evaluate(x);
     if (result.support == Support::inside) result.support = Support::marked;
     return result;

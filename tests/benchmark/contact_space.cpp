@@ -4,7 +4,7 @@
 //
 //   OPENBLAS_NUM_THREADS=1 mpiexec -n 2 palpate_benchmark_contact_space scene.palpate
 //     [--radius 10] [--depth 8] [--spacing 4] [--tolerance 0] [--tests 2000] [--file space.palpate]
-//     [--method 4] [--node 0] [--region 0] [--single 1] [--newton 0] [--thickness 0]
+//     [--method 4] [--node 0] [--region 0] [--single 1] [--newton 0] [--thickness 0] [--levels 1]
 //
 // Lengths in mm, the tolerance as a share of the largest force; where a region is given, the space
 // is of the surface within that distance of a point of the mesh; the layer of contact is the one
@@ -16,7 +16,9 @@
 // Their forces are beside those of the equilibria there. Where one is off by more than 1 % of the
 // largest of these, and there is a file, the table of the largest errors says why: on which branch
 // the body is then depends on the way, if the equilibrium that is reached from the nearest
-// check-point has another force; "told" is what the estimate of the cell knew of.
+// check-point has another force; "told" is what the estimate of the cell knew of. With levels the
+// body stays on the branch on which the press or the slide comes (tool_force.h); without, the space
+// has one configuration at each check-point.
 //
 // With --newton the transitions to so many configurations of the file are made by Newton's method
 // too, a factorisation at each iterate. Prints Markdown tables.
@@ -43,8 +45,8 @@
 #include "exploration/precompute.h"
 #include "exploration/transfer.h"
 #include "interpolation/error_estimate.h"
-#include "interpolation/interpolator.h"
 #include "interpolation/passivity_figures.h"
+#include "interpolation/tool_force.h"
 #include "schedule/mpi_communicator.h"
 #include "storage/state_space_file.h"
 
@@ -61,9 +63,9 @@ namespace fs = std::filesystem;
 struct Arguments {
   fs::path scene;
   std::map<std::string, std::string> values{
-      {"radius", "10"},  {"depth", "8"},  {"spacing", "4"}, {"tolerance", "0"},
-      {"tests", "2000"}, {"file", ""},    {"method", "4"},  {"node", "0"},
-      {"region", "0"},   {"single", "1"}, {"newton", "0"},  {"thickness", "0"}};
+      {"radius", "10"}, {"depth", "8"},  {"spacing", "4"},  {"tolerance", "0"}, {"tests", "2000"},
+      {"file", ""},     {"method", "4"}, {"node", "0"},     {"region", "0"},    {"single", "1"},
+      {"newton", "0"},  {"levels", "1"}, {"thickness", "0"}};
 
   Arguments(int argc, char** argv) {
     if (argc < 2 || argc % 2 != 0)
@@ -301,6 +303,7 @@ void measure(const Arguments& arguments, Communicator& world) {
   options.contact->shell.depth = 1e-3 * arguments.number("depth");
   options.contact->most_configurations = 1'000'000;
   options.tolerance = arguments.number("tolerance");
+  if (arguments.number("levels") == 0) options.history = History::flat;
   options.equilibrium.third_derivatives = true;
   options.equilibrium.single_precision = arguments.number("single") != 0;
   options.file = arguments.values.at("file");
@@ -335,7 +338,7 @@ void measure(const Arguments& arguments, Communicator& world) {
     std::printf(
         "| %.0f (%lld expected) | %lld | %d | %lld | %.1f (%.1f) | %.1f | %.1f | %.2f | %.2f | "
         "%.1f | "
-        "%.1f | %.1f | %.1f |\n\n",
+        "%.1f | %.1f | %.1f |\n\n%lld levels above the first, by %lld transitions\n",
         solved, static_cast<long long>(expected.num_configurations),
         static_cast<long long>(num_free), report.num_rounds,
         static_cast<long long>(report.num_not_reached), report.exploration_seconds,
@@ -343,7 +346,8 @@ void measure(const Arguments& arguments, Communicator& world) {
         static_cast<double>(report.work.factorisations) / solved,
         static_cast<double>(report.work.right_hand_sides) / solved,
         static_cast<double>(report.work.residuals) / solved, megabytes,
-        static_cast<double>(space.configurations.size() * sizeof(ConfigurationSummary)) / 1e6);
+        static_cast<double>(space.configurations.size() * sizeof(ConfigurationSummary)) / 1e6,
+        static_cast<long long>(report.num_levels), static_cast<long long>(report.num_transitions));
     const Work& work = report.work;
     std::printf("ms each: residuals %.1f, assembly %.1f, factorisation %.1f, solves %.1f\n",
                 1e3 * work.residual_seconds / solved, 1e3 * work.assembly_seconds / solved,
@@ -405,12 +409,22 @@ void measure(const Arguments& arguments, Communicator& world) {
   }
   gather(tests, world);
   if (world.rank() != 0) return;
-  const auto interpolator =
-      make_interpolator(static_cast<Method>(std::lround(arguments.number("method"))), space);
+  const SteadyClock::time_point begin = SteadyClock::now();
+  const ToolForce force({&space}, static_cast<Method>(std::lround(arguments.number("method"))));
+  std::printf("\n%d branches, of %zu configurations, made in %.2f s\n", force.num_branches(),
+              space.configurations.size(), seconds_since(begin));
   const Estimates estimates(space);
   double largest = 0;
+  Vec3 before = Vec3::Zero();
+  int branch = 0;
   for (Test& test : tests) {
-    const TouchResult there = interpolator->evaluate(test.place);
+    if (!test.is_slide) {
+      before = clearance->start_for(test.place);
+      branch = 0;
+    }
+    branch = force.move(branch, before, test.place);
+    before = test.place;
+    const TouchResult there = force.evaluate(test.place, branch);
     test.interpolated = there.force;
     test.support = there.support;
     test.estimate = estimates.at(test.place);

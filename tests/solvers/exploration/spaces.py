@@ -22,8 +22,9 @@ def solved_and_reused(output):
 
 
 def configurations(file):
-    """{(node, i, j, k): (energy, force, u)} of a file and those of the ranks beside it. None of
-    them is without the intermediate states on the way to it, nor the other way round."""
+    """{(node, i, j, k, level): (energy, force, u)} of a file and those of the ranks beside it,
+    without candidates for a level. None of them is without the intermediate states on the way to
+    it, nor the other way round."""
     found = {}
     with tempfile.TemporaryDirectory() as folder:
         # Copies: what a killed run has left is taken up by whoever opens it.
@@ -42,10 +43,12 @@ def configurations(file):
                 states_of = dict(database.execute(
                     "SELECT tool_space_id, intermediate_states FROM tool_space"))
                 for row in database.execute(
-                        "SELECT tool_space_id, i, j, k, outcome, energy, force_x, force_y, force_z,"
-                        " u FROM configuration"):
+                        "SELECT tool_space_id, i, j, k, level, outcome, energy, force_x, force_y,"
+                        " force_z, u FROM configuration WHERE level >= 0"):
+                    if row[5] != 0:
+                        continue
+                    found[row[:5]] = (row[6], row[7:10], row[10])
                     if row[4] == 0:
-                        found[row[:4]] = (row[5], row[6:9], row[9])
                         ways[row[:4]] = 0 if row[1:4] == (0, 0, 0) else states_of[row[0]]
                 num_states = dict.fromkeys(ways, 0)
                 for *key, count in database.execute(

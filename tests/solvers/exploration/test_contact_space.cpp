@@ -234,6 +234,7 @@ TEST_F(ContactSpace, GoesOnFromAFileWithTheLayerOfEarlierVersions) {
 }
 
 TEST_F(ContactSpace, ActiveNodesThatAreToBeGraspedComeBesideIt) {
+  options_.history = History::flat;
   const PrecomputeResult tool = run(*world_);
   Index node = 0;
   for (Index p = 0; p < block_.scene.body.mesh.num_points(); ++p) {
@@ -356,6 +357,7 @@ TEST_F(ContactSpace, WithoutAFactorItIsTheSameOnAnyNumberOfRanks) {
 }
 
 TEST_F(ContactSpace, SaysWhatItWillTake) {
+  options_.history = History::flat;
   ExplorationEstimate expected;
   options_.expects = [&](const ExplorationEstimate& estimate) { expected = estimate; };
   const PrecomputeResult result = run(*world_);
@@ -398,8 +400,8 @@ TEST_F(ContactSpace, RefusesWhatCannotBePressed) {
   options_.contact->shell.begin_at.x() = std::nan("");
   EXPECT_NE(error().find("is not finite"), std::string::npos) << error();
   *options_.contact = good;
-  options_.history = History::levels;
-  EXPECT_NE(error().find("no levels"), std::string::npos) << error();
+  options_.intermediate_states = 1;
+  EXPECT_NE(error().find("no intermediate states"), std::string::npos) << error();
 }
 
 TEST_F(ContactSpace, RefusesAFileOfAnotherTool) {

@@ -367,7 +367,7 @@ TEST_F(DamageTest, LeavesOutWhatCannotBe) {
   EXPECT_EQ(left_out()[0], "configuration (100000, 0, 0) of active node 8");
 
   const std::pair<std::string, LevelTransition> transitions[] = {
-      {"i = -1", {{-1, 0, 0}, 0, {1, 0, 0}, 0}},  // both are there, but they are no neighbours
+      {"to_j = -1, i = -1", {{-1, 0, 0}, 0, {1, -1, 0}, 0}},  // neither lies beside the other
       {"to_i = 2147483647", {{0, 0, 0}, 0, {2147483647, 0, 0}, 0}},
       {"level = -1", {{0, 0, 0}, -1, {1, 0, 0}, 0}},
       {"reached = -7", {{0, 0, 0}, 0, {1, 0, 0}, -7}}};
