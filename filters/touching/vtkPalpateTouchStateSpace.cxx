@@ -354,9 +354,9 @@ struct vtkPalpateTouchStateSpace::Prepared
   /// @param startBranch The branch that it was on there; -1: that to which it comes from rest.
   /// @param branch The branch that it is on at t; -1: to be found.
   /// @throws InputError there is no such branch.
-  int FindBranch(const TouchToolSpace& toolSpace, const palpate::SolutionBranches* branches,
-    const std::optional<palpate::Vec3>& from, int startBranch, const palpate::Vec3& t, int branch,
-    int without)
+  palpate::OnBranch FindBranch(const TouchToolSpace& toolSpace,
+    const palpate::SolutionBranches* branches, const std::optional<palpate::Vec3>& from,
+    int startBranch, const palpate::Vec3& t, int branch, int without)
   {
     const int size = branches ? branches->size() : 1;
     for (const int given : { startBranch, branch })
@@ -371,18 +371,18 @@ struct vtkPalpateTouchStateSpace::Prepared
     this->Key = toolSpace.setup.key();
     if (branch >= 0 || !branches)
     {
-      return std::max(branch, 0);
+      return { std::max(branch, 0) };
     }
     if (!from)
     {
-      return without;
+      return { without };
     }
     if (startBranch < 0)
     {
       // A rigid tool comes from where it touches nothing.
       startBranch = toolSpace.setup.presses() ? 0 : branches->move(0, palpate::Vec3::Zero(), *from);
     }
-    return branches->move(startBranch, *from, t);
+    return branches->move(palpate::OnBranch{ startBranch }, *from, t);
   }
 
   /// The part of the tool space that is on a branch.
@@ -445,7 +445,7 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
     const palpate::SolutionBranches& branches =
       cache.BranchesOfSpace.try_emplace(toolSpace.setup.key(), toolSpace).first->second;
     cache.OnBranch =
-      cache.FindBranch(toolSpace, &branches, start, this->StartBranch, t, this->Branch, 0);
+      cache.FindBranch(toolSpace, &branches, start, this->StartBranch, t, this->Branch, 0).number;
     Prepared::Branch& branch = cache.Branches[{ cache.Key, cache.OnBranch }];
     auto& interpolator = branch.Interpolators[how];
     if (!interpolator)
@@ -467,9 +467,10 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
   }
   const auto findBranch = [&](const TouchToolSpace& of, const palpate::ToolForce& force)
   {
-    cache.OnBranch = cache.FindBranch(of, force.branches(), start, this->StartBranch, t,
-      this->Branch, force.branch_from_outside(t));
-    touch = force.evaluate(t, cache.OnBranch);
+    const palpate::OnBranch branch = cache.FindBranch(of, force.branches(), start,
+      this->StartBranch, t, this->Branch, force.branch_from_outside(t));
+    cache.OnBranch = branch.number;
+    touch = force.evaluate(t, branch);
   };
   if (cache.Found.force)
   {

@@ -36,7 +36,7 @@ TouchResult Press::answer(const ToolForce& force, double coupling) noexcept {
 bool Press::is_free(const ToolForce& force) const noexcept {
   using Place = CheckPointGrid::Place;
   if (force.expands(place_)) return true;
-  const Interpolator& here = force.at(place_, branch_);
+  const Interpolator& here = force.at(place_, branch_.number);
   const Interpolator::Location at = here.locate(place_);
   return at.place == Place::free || (at.place == Place::cell && !here.grid().is_unknown(at.leaf));
 }
@@ -52,7 +52,7 @@ Contact Press::miss(Support support) noexcept {
 
 bool Press::is_known(const ToolForce& force, const Vec3& push) const noexcept {
   if (force.expands(place_)) return true;
-  const Interpolator& here = force.at(place_, branch_);
+  const Interpolator& here = force.at(place_, branch_.number);
   const CheckPointGrid::Location at = here.locate(place_);
   if (at.place == CheckPointGrid::Place::cell) return true;
   if (at.place != CheckPointGrid::Place::beside_cell) return false;
@@ -63,15 +63,15 @@ bool Press::is_known(const ToolForce& force, const Vec3& push) const noexcept {
 }
 
 void Press::find_branch(const ToolForce& force) noexcept {
-  branch_ = 0;
+  branch_ = {};
   if (!is_pressing_) return;
   double least = std::numeric_limits<double>::infinity();
   for (int branch = 0; branch < force.num_branches(); ++branch) {
     if (!force.has_cell(place_, branch)) continue;
-    const double difference = (force.evaluate(place_, branch).force - holding_).norm();
+    const double difference = (force.evaluate(place_, {branch}).force - holding_).norm();
     if (difference >= least) continue;
     least = difference;
-    branch_ = branch;
+    branch_ = {branch};
   }
 }
 
@@ -85,7 +85,7 @@ Contact Press::move(const ToolForce& force, const Vec3& hand,
   Contact contact;
   contact.support = at.support;
   contact.anchor = place_;
-  contact.branches[0] = branch_;
+  contact.branches[0] = branch_.number;
   if (at.force.isZero(0)) {
     if (!is_free(force)) return miss(at.support);
     release();

@@ -57,7 +57,7 @@ class Press {
 
   bool is_pressing_ = false;
   /// The branch that the body is on.
-  int branch_ = 0;
+  OnBranch branch_;
   Vec3 hand_ = Vec3::Zero();
   /// The tool's place, m.
   Vec3 place_ = Vec3::Zero();

@@ -34,7 +34,9 @@ class ShellBuilder {
     for (const std::int32_t seed : seeds()) {
       if (covered_[seed] == 0 && branches_.size() < kMost) grow_further(seed);
     }
-    ShellBranches result{{}, tree_, next(), ends()};
+    ShellBranches result{{}, tree_, next(), {}};
+    result.ends = ends(result.next);
+    result.parts = parts();
     for (const Branch& branch : branches_) {
       std::vector<std::int32_t>& members = result.configurations.emplace_back();
       for (const auto& [p, member] : branch) members.push_back(member.configuration);
@@ -219,29 +221,58 @@ class ShellBuilder {
     return all;
   }
 
-  /// Whether a branch ends within each cell: a configuration at a corner is on none of the branches
-  /// that span the cell.
-  [[nodiscard]] std::vector<char> ends() const {
+  [[nodiscard]] std::vector<char> ends(const std::vector<std::int16_t>& next) const {
     std::vector<char> all;
+    all.reserve(next.size());
     for (std::size_t l = 0; l < tree_.leaves().size(); ++l) {
-      const auto here = branches_at_.find(static_cast<std::int32_t>(l));
-      all.push_back(
-          here == branches_at_.end() || ends_within(tree_.leaves()[l].cell, here->second) ? 1 : 0);
+      const Cell& cell = tree_.leaves()[l].cell;
+      for (std::size_t s = 0; s < branches_.size(); ++s) {
+        const Branch& own = branches_[s];
+        const int num_own = num_shared(own, own, cell);
+        const Branch& other = branches_[static_cast<std::size_t>(next[all.size()])];
+        const bool goes_on = num_own > 0 && num_shared(own, other, cell) == num_own;
+        const bool is_spanned = branches_at_.count(static_cast<std::int32_t>(l)) > 0;
+        const bool ends = num_own < 8 ? !(goes_on && is_spanned) : may_hide_end(own, cell);
+        all.push_back(ends ? 1 : 0);
+      }
     }
     return all;
   }
-  [[nodiscard]] bool ends_within(const Cell& cell, const std::vector<std::size_t>& here) const {
+
+  /// Whether a branch that spans a cell may end within it for a part of it: there are several
+  /// levels at a corner, and the energy along an edge does not fit the forces.
+  [[nodiscard]] bool may_hide_end(const Branch& branch, const Cell& cell) const {
+    bool has_levels = false;
+    bool fits = true;
     for (int corner = 0; corner < 8; ++corner) {
       const CheckPoint p = corner_of(cell, corner);
-      for (const std::int32_t i : list_at(p)) {
-        if (!all_[i].leads_on()) continue;
-        const bool is_spanned = std::any_of(here.begin(), here.end(), [&](std::size_t s) {
-          return branches_[s].at(p).configuration == i;
-        });
-        if (!is_spanned) return true;
+      has_levels = has_levels || list_at(p).size() > 1;
+      for (int bit = 1; bit < 8; bit *= 2) {
+        if ((corner & bit) != 0) continue;
+        const CheckPoint q = corner_of(cell, corner | bit);
+        fits =
+            fits && fit_.fits(all_[branch.at(p).configuration], all_[branch.at(q).configuration]);
       }
     }
-    return false;
+    return has_levels && !fits;
+  }
+
+  [[nodiscard]] std::vector<LeafOfBranch> parts() const {
+    std::vector<LeafOfBranch> all;
+    for (std::size_t l = 0; l < tree_.leaves().size(); ++l) {
+      for (std::size_t s = 0; s < branches_.size(); ++s) {
+        LeafOfBranch part{static_cast<std::int32_t>(l), static_cast<std::int32_t>(s), {}};
+        bool is_any = false;
+        for (int corner = 0; corner < 8; ++corner) {
+          const auto here = branches_[s].find(corner_of(tree_.leaves()[l].cell, corner));
+          const bool has = here != branches_[s].end();
+          part.configurations[corner] = has ? here->second.configuration : -1;
+          is_any = is_any || has;
+        }
+        if (is_any) all.push_back(part);
+      }
+    }
+    return all;
   }
 
   /// The number of corners of a cell at which two branches have the same configuration.

@@ -10,7 +10,7 @@
 // earlier one: there the rows of nodes of both are complete, so that the force is the same.
 //
 // Where no branch spans a cell the body is on branch 0, which has the one side beside the other
-// there, and the cell counts as one in which a branch ends.
+// there.
 //
 // Two configurations at the ends of an edge are connected if a transition from one to the other was
 // made, and was smooth (EdgeFit); or, where none was made, if each fits no other level of the other
@@ -18,6 +18,7 @@
 // configuration, though the way back leads to one of them alone.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -25,6 +26,17 @@
 #include "state_space/configuration.h"
 
 namespace palpate {
+
+/// What a branch has at the corners of a leaf.
+struct LeafOfBranch {
+  std::int32_t leaf = 0;
+  std::int32_t branch = 0;
+  /// Indices into the list of the space; −1: the branch has nothing there.
+  std::array<std::int32_t, 8> configurations{};
+};
+[[nodiscard]] inline bool operator<(const LeafOfBranch& a, const LeafOfBranch& b) {
+  return a.leaf != b.leaf ? a.leaf < b.leaf : a.branch < b.branch;
+}
 
 struct ShellBranches {
   /// The configurations of each branch: indices into the list of the space, ascending.
@@ -34,9 +46,13 @@ struct ShellBranches {
   /// For each leaf and each branch that the body came on, the branch that it goes on with [leaves ×
   /// branches].
   std::vector<std::int16_t> next;
-  /// For each leaf, whether a branch ends within it: a configuration at a corner is on none of the
-  /// branches that span it.
+  /// For the same, whether the branch may end within the leaf [leaves × branches]: it does not span
+  /// the leaf, and not all that it has there is on the next one, so that the body may be on it
+  /// still; or it spans the leaf, but there are several levels, and the energy along an edge does
+  /// not fit the forces.
   std::vector<char> ends;
+  /// Where a branch has anything at the corners of a leaf, in the order of operator<.
+  std::vector<LeafOfBranch> parts;
 };
 
 /// @param configurations They are in the order of operator<.

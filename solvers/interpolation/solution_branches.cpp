@@ -11,8 +11,6 @@
 #include <numeric>
 #include <utility>
 
-#include "interpolation/shell_branches.h"
-
 namespace palpate {
 namespace {
 
@@ -253,6 +251,7 @@ SolutionBranches::SolutionBranches(const TouchToolSpace& tool_space)
       leaves_ = std::move(found.tree);
       next_ = std::move(found.next);
       ends_ = std::move(found.ends);
+      parts_ = std::move(found.parts);
     }
   } else if (has_levels) {
     Builder builder(tool_space);
@@ -269,12 +268,25 @@ SolutionBranches::SolutionBranches(const TouchToolSpace& tool_space)
 }
 
 int SolutionBranches::move(int branch, const Vec3& from, const Vec3& to) const noexcept {
-  if (next_.empty() || !from.allFinite() || !to.allFinite()) return branch;
+  return move(OnBranch{branch}, from, to).number;
+}
+
+OnBranch SolutionBranches::move(const OnBranch& branch, const Vec3& from,
+                                const Vec3& to) const noexcept {
+  OnBranch on = branch;
+  if (next_.empty() || !from.allFinite() || !to.allFinite()) return on;
   const Vec3 way = to - from;
   const double steps =
       std::clamp(std::ceil(way.lpNorm<Eigen::Infinity>() / (kStep * spacing_)), 1.0, kMostSteps);
-  for (double step = 1; step <= steps; ++step) branch = follow(branch, from + (step / steps) * way);
-  return branch;
+  for (double step = 1; step <= steps; ++step) {
+    const Vec3 t = from + (step / steps) * way;
+    if (leaves_) {
+      on = follow_in_leaves(on, t);
+    } else {
+      on.number = follow(on.number, t);
+    }
+  }
+  return on;
 }
 
 int SolutionBranches::next(int branch, const CheckPoint& cell) const noexcept {
@@ -291,19 +303,41 @@ std::int32_t SolutionBranches::leaf_at(const Vec3& t) const noexcept {
   return leaf < CellTree::kFree ? leaf : -1;
 }
 
-bool SolutionBranches::ends_near(const Vec3& t) const noexcept {
+bool SolutionBranches::ends_at(int branch, const Vec3& t) const noexcept {
   if (!leaves_ || !t.allFinite()) return false;
   const std::int32_t leaf = leaf_at(t);
-  return leaf >= 0 && ends_[static_cast<std::size_t>(leaf)] != 0;
+  return leaf >= 0 && ends_[place_of(leaf, branch)] != 0;
+}
+
+bool SolutionBranches::differs(std::int32_t leaf, std::int32_t branch,
+                               std::int32_t other) const noexcept {
+  const auto find = [&](std::int32_t of) {
+    const LeafOfBranch sought{leaf, of, {}};
+    const auto found = std::lower_bound(parts_.begin(), parts_.end(), sought);
+    return found != parts_.end() && !(sought < *found) ? &*found : nullptr;
+  };
+  const LeafOfBranch* own = find(branch);
+  if (own == nullptr) return false;
+  const LeafOfBranch* others = find(other);
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    const std::int32_t here = own->configurations[corner];
+    if (here >= 0 && (others == nullptr || others->configurations[corner] != here)) return true;
+  }
+  return false;
+}
+
+OnBranch SolutionBranches::follow_in_leaves(OnBranch branch, const Vec3& t) const noexcept {
+  const std::int32_t leaf = leaf_at(t);
+  if (leaf < 0) return branch;
+  const std::size_t place = place_of(leaf, branch.number);
+  const std::int32_t before = branch.number;
+  branch.number = next_[place];
+  if (ends_[place] != 0) branch.left = before;
+  if (branch.left >= 0 && !differs(leaf, branch.left, branch.number)) branch.left = -1;
+  return branch;
 }
 
 int SolutionBranches::follow(int branch, const Vec3& t) const noexcept {
-  if (leaves_) {
-    const std::int32_t leaf = leaf_at(t);
-    if (leaf < 0) return branch;
-    const std::size_t at = static_cast<std::size_t>(leaf) * configurations_.size();
-    return next_[at + static_cast<std::size_t>(branch)];
-  }
   const std::int32_t n = 2 * reach_;
   CheckPoint cell{};
   /// −1 or 1 along an axis: t lies on the border with the cell before or after.

@@ -18,10 +18,18 @@
 #include <vector>
 
 #include "base/memory_ranges.h"
-#include "interpolation/cell_tree.h"
+#include "interpolation/shell_branches.h"
 #include "state_space/touch_space.h"
 
 namespace palpate {
+
+/// The branch that a body is on.
+struct OnBranch {
+  std::int32_t number = 0;
+  /// In the space of a rigid tool, the branch that the body has left where it ends, as long as it
+  /// is moved among cells with configurations of that: it may be on that one still; −1: none.
+  std::int32_t left = -1;
+};
 
 /// Immutable. It copies all that it needs, so that the tool space need not outlive it.
 class SolutionBranches {
@@ -41,23 +49,35 @@ class SolutionBranches {
   /// @note Realtime-safe.
   [[nodiscard]] int move(int branch, const Vec3& from, const Vec3& to) const noexcept;
 
-  /// Whether, in the space of a rigid tool, a branch ends within the cell that has a place: a
-  /// configuration at a corner is on none of the branches that span the cell.
+  /// Does the same, and says where the body has left a branch that ends.
   /// @note Realtime-safe.
-  [[nodiscard]] bool ends_near(const Vec3& t) const noexcept;
+  [[nodiscard]] OnBranch move(const OnBranch& branch, const Vec3& from,
+                              const Vec3& to) const noexcept;
+  /// Whether, in the space of a rigid tool, a branch ends within the cell that has a place.
+  /// @note Realtime-safe.
+  [[nodiscard]] bool ends_at(int branch, const Vec3& t) const noexcept;
 
   /// Memory that move() needs.
   void add_memory(MemoryRanges& ranges) const {
     palpate::add_memory(cells_, ranges);
     palpate::add_memory(next_, ranges);
     palpate::add_memory(ends_, ranges);
+    palpate::add_memory(parts_, ranges);
     if (leaves_) leaves_->add_memory(ranges);
   }
 
  private:
   [[nodiscard]] int follow(int branch, const Vec3& t) const noexcept;
+  [[nodiscard]] OnBranch follow_in_leaves(OnBranch branch, const Vec3& t) const noexcept;
   /// In the space of a rigid tool, the leaf that has a place; −1: there is none.
   [[nodiscard]] std::int32_t leaf_at(const Vec3& t) const noexcept;
+  /// Whether a branch has a configuration at a corner of a leaf that another one has not.
+  [[nodiscard]] bool differs(std::int32_t leaf, std::int32_t branch,
+                             std::int32_t other) const noexcept;
+  [[nodiscard]] std::size_t place_of(std::int32_t leaf, std::int32_t branch) const noexcept {
+    return static_cast<std::size_t>(leaf) * configurations_.size() +
+           static_cast<std::size_t>(branch);
+  }
   /// The branch that the body is on in a cell; if none spans the cell, the branch that it was on.
   [[nodiscard]] int next(int branch, const CheckPoint& cell) const noexcept;
 
@@ -73,8 +93,9 @@ class SolutionBranches {
   /// For each of these cells and each branch that the body came on, the branch that it goes on with
   /// [cells × size], those of a cell next to each other.
   std::vector<std::int16_t> next_;
-  /// For each leaf, whether a branch ends within it.
+  /// For the same, whether the branch ends there.
   std::vector<char> ends_;
+  std::vector<LeafOfBranch> parts_;
 };
 
 /// The part of a tool space that is on one of its branches. A rigid tool's further branches know of

@@ -108,9 +108,11 @@ int ToolForce::branch_from_outside(const Vec3& x) const {
   return best;
 }
 
-TouchResult ToolForce::evaluate_only(const Vec3& x, int branch) const noexcept {
-  const Interpolator& only = on(branch);
-  if (branches_ != nullptr && branches_->ends_near(x)) {
+TouchResult ToolForce::evaluate_only(const Vec3& x, const OnBranch& branch) const noexcept {
+  const Interpolator& only = on(branch.number);
+  const bool may_be_on_another =
+      branches_ != nullptr && (branch.left >= 0 || branches_->ends_at(branch.number, x));
+  if (may_be_on_another) {
     TouchResult result = only.evaluate(x);
     if (result.support == Support::inside) result.support = Support::marked;
     return result;
@@ -129,7 +131,7 @@ TouchResult ToolForce::evaluate_only(const Vec3& x, int branch) const noexcept {
   return sum;
 }
 
-TouchResult ToolForce::evaluate(const Vec3& x, int branch) const noexcept {
+TouchResult ToolForce::evaluate(const Vec3& x, const OnBranch& branch) const noexcept {
   if (!weights_) return evaluate_only(x, branch);
   if (!x.allFinite()) return {};
   TouchResult sum = TouchResult::empty_sum();

@@ -12,8 +12,8 @@
 // to the others: the force has a step there, as at any border of what is known.
 //
 // A space without regions may have levels (solution_branches.h): the force is that of the branch on
-// which the body is, so the caller says which one, and follows it where the tool moves. In a cell
-// within which another branch ends, the support is `marked`: where the body leaves that branch is
+// which the body is, so the caller says which one, and follows it where the tool moves. In the cell
+// within which its branch has ended, the support is `marked`: where the body leaves the branch is
 // not known better.
 //
 // On request, in a space without regions, the force where there is no cell comes from single
@@ -47,15 +47,16 @@ class ToolForce {
 
   /// @param branch The branch that the body is on, see move().
   /// @note Realtime-safe.
-  [[nodiscard]] TouchResult evaluate(const Vec3& x, int branch = 0) const noexcept;
+  [[nodiscard]] TouchResult evaluate(const Vec3& x, const OnBranch& branch = {}) const noexcept;
 
   /// The number of branches, at least one. Where the tool touches nothing, the body is on branch 0.
   [[nodiscard]] int num_branches() const { return branches_ == nullptr ? 1 : branches_->size(); }
   /// The branch that the body is on after the tool was moved straight from one place to another.
   /// @param branch The branch at the start.
   /// @note Realtime-safe.
-  [[nodiscard]] int move(int branch, const Vec3& from, const Vec3& to) const noexcept {
-    return branches_ == nullptr ? 0 : branches_->move(branch, from, to);
+  [[nodiscard]] OnBranch move(const OnBranch& branch, const Vec3& from,
+                              const Vec3& to) const noexcept {
+    return branches_ == nullptr ? OnBranch() : branches_->move(branch, from, to);
   }
   /// The branch of a tool that has come from outside along the normal of the surface: that with the
   /// most configurations of level 0 around a place.
@@ -117,7 +118,7 @@ class ToolForce {
   void take_only(const TouchToolSpace& tool_space, const Interpolator* before,
                  const std::vector<CheckPoint>& changed);
   /// The force where there is one tool space.
-  [[nodiscard]] TouchResult evaluate_only(const Vec3& x, int branch) const noexcept;
+  [[nodiscard]] TouchResult evaluate_only(const Vec3& x, const OnBranch& branch) const noexcept;
 
   struct Part {
     ToolSpaceKey key;

@@ -416,11 +416,11 @@ void measure(const Arguments& arguments, Communicator& world) {
   const Estimates estimates(space);
   double largest = 0;
   Vec3 before = Vec3::Zero();
-  int branch = 0;
+  OnBranch branch;
   for (Test& test : tests) {
     if (!test.is_slide) {
       before = clearance->start_for(test.place);
-      branch = 0;
+      branch = {};
     }
     branch = force.move(branch, before, test.place);
     before = test.place;

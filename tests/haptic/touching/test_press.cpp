@@ -7,6 +7,7 @@
 #include "haptic/support/moved_tool.h"
 #include "haptic/support/pressed_body.h"
 #include "haptic/touching/pressing_range.h"
+#include "solvers/support/two_sides.h"
 
 namespace palpate::test::test_press {
 namespace {
@@ -452,6 +453,51 @@ TEST(Press, TheDepthIsThatOfTheLowestPointOfTheTool) {
   EXPECT_NEAR(depth_in_body(surface, tool, below(0.004)), 0.004, 1e-12) << "lying";
   // Where the centre is in the body, too.
   EXPECT_NEAR(depth_in_body(surface, tool, below(0.012)), 0.012, 1e-12);
+}
+
+/// A leaf that gives way to the side from which the tool does not come.
+std::shared_ptr<const Touchable> two_sided_body() {
+  TouchSpace space = test::box_space([](int) { return test::stiffening_spring(1000); });
+  space.tool_spaces.insert(space.tool_spaces.begin(), test::TwoSides::make());
+  return std::make_shared<const Touchable>(space);
+}
+
+TEST(Press, StaysOnTheSideFromWhichItCame) {
+  using test::TwoSides;
+  const auto body = two_sided_body();
+  const auto at = [](double height) { return Vec3(3e-4, 2e-4, height * TwoSides::kSpacing); };
+  for (const double coupling : {0.0, 200.0}) {
+    for (const int side : {1, -1}) {
+      TouchSettings settings;
+      settings.coupling_stiffness = coupling;
+      MovedTool tool;
+      Contact contact = tool.move(body.get(), at(3.9 * side), settings);
+      EXPECT_EQ(contact.status, ContactStatus::free);
+      double before = 0;
+      for (double height = 3.91; height > -1.5; height -= 0.02) {
+        contact = tool.move(body.get(), at(height * side), settings);
+        const bool presses = contact.status == ContactStatus::pressing;
+        EXPECT_EQ(presses, height < TwoSides::kBegins) << height;
+        const double expected = presses ? -TwoSides::force(contact.anchor[2], side) : 0;
+        EXPECT_NEAR(contact.force[2], expected, 1e-6) << height;
+        EXPECT_LT(std::abs(contact.force[2] - before), 1e-3) << height;
+        before = contact.force[2];
+      }
+      EXPECT_EQ(contact.status, ContactStatus::pressing);
+      EXPECT_EQ(contact.support, Support::inside);
+      EXPECT_GT(contact.branches[0], 0);
+      // The same space anew, as after a chunk was added.
+      const auto grown = two_sided_body();
+      contact = tool.move(grown.get(), at(-1.5 * side), settings);
+      EXPECT_NEAR(contact.force[2], before, 1e-3);
+      // Back, and then from the other side.
+      for (double height = -1.5; height < 3.9; height += 0.02) {
+        contact = tool.move(grown.get(), at(height * side), settings);
+      }
+      EXPECT_EQ(contact.status, ContactStatus::free);
+      EXPECT_EQ(contact.branches[0], 0);
+    }
+  }
 }
 
 TEST(Press, APlaceThatIsNotFiniteIsNowhere) {

@@ -42,6 +42,7 @@ class ThinLobe : public testing::Test {
       return place.x() > 0.045 && std::abs(place.y() - 0.5 * kSize.y()) < 0.004;
     };
     options.equilibrium.third_derivatives = true;
+    options.history = History::flat;
     space_ = precompute(scene_, options, *make_serial_communicator(), nullptr).space.tool_spaces[0];
     for (const ConfigurationSummary& c : space_.configurations) {
       largest_ = std::max(largest_, c.force.norm());

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/shell_branches.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "interpolation/tool_force.h"
+#include "solvers/support/allocations.h"
+#include "solvers/support/two_sides.h"
+
+namespace palpate::test::test_shell_branches {
+namespace {
+
+using test::TwoSides;
+
+constexpr double kH = TwoSides::kSpacing;
+
+/// A tool that is moved over the leaf.
+class Tool {
+ public:
+  explicit Tool(const Vec3& begin) : at_(begin) {}
+
+  TouchResult move(const Vec3& to) {
+    branch_ = force_.move(branch_, at_, to);
+    at_ = to;
+    const TouchResult felt = force_.evaluate(to, branch_);
+    if (felt.force.isZero(0)) branch_ = {};
+    return felt;
+  }
+  /// Moves it along z in small steps. @returns What is felt at the end.
+  TouchResult move_to(double z) {
+    TouchResult felt;
+    const Vec3 from = at_;
+    for (int step = 1; step <= 200; ++step) {
+      Vec3 to = from;
+      to.z() += step / 200.0 * (z - from.z());
+      felt = move(to);
+    }
+    return felt;
+  }
+  [[nodiscard]] const ToolForce& force() const { return force_; }
+  [[nodiscard]] int branch() const { return branch_.number; }
+
+ private:
+  TouchToolSpace space_ = TwoSides::make();
+  ToolForce force_{{&space_}, Method::energy_hermite};
+  Vec3 at_;
+  OnBranch branch_;
+};
+
+TEST(ShellBranches, BothSidesAreFeltWhereTheToolComesFromThem) {
+  for (const int side : {1, -1}) {
+    Tool tool(Vec3(0.3 * kH, 0.2 * kH, side * 3.9 * kH));
+    for (double height = 3.5; height > -TwoSides::kEnds; height -= 0.3) {
+      const double z = side * height * kH;
+      const TouchResult felt = tool.move_to(z);
+      EXPECT_NEAR(felt.force.z(), TwoSides::force(z, side), 1e-9) << height;
+      EXPECT_EQ(felt.support, Support::inside) << height;
+    }
+  }
+}
+
+TEST(ShellBranches, WhereASideEndsTheToolGoesOverToTheOtherAndSaysSo) {
+  Tool tool(Vec3(0.3 * kH, 0.2 * kH, 3.9 * kH));
+  (void)tool.move_to(-1.9 * kH);
+  const TouchResult felt = tool.move_to(-2.5 * kH);
+  EXPECT_EQ(felt.support, Support::marked);
+  EXPECT_NEAR(felt.force.z(), TwoSides::force(-2.5 * kH, -1), 1e-9);
+  // On its way back it is pressed from below.
+  EXPECT_NEAR(tool.move_to(0.5 * kH).force.z(), TwoSides::force(0.5 * kH, -1), 1e-9);
+}
+
+TEST(ShellBranches, FromWhereItTouchesNothingTheToolBeginsAnew) {
+  Tool tool(Vec3(0, 0, 3.9 * kH));
+  (void)tool.move_to(-1 * kH);
+  EXPECT_TRUE(tool.move_to(3.8 * kH).force.isZero(0));
+  EXPECT_EQ(tool.branch(), 0);
+}
+
+TEST(ShellBranches, TheForceOfOneBranchHasNoStep) {
+  Tool tool(Vec3(0.1 * kH, 0.7 * kH, 3.9 * kH));
+  double before = 0;
+  for (int step = 0; step < 5000; ++step) {
+    const double z = (3.9 - 5.8 * step / 5000.0) * kH;
+    const double here = tool.move(Vec3(0.1 * kH, 0.7 * kH, z)).force.z();
+    EXPECT_LT(std::abs(here - before), 2 * 6 * TwoSides::kFactor * 5 * kH * 5.8 / 5000 * kH) << z;
+    before = here;
+  }
+}
+
+TEST(ShellBranches, FollowingAllocatesNothing) {
+  Tool tool(Vec3(0.1 * kH, 0.7 * kH, 3.9 * kH));
+  const long before = test::num_allocations();
+  ASSERT_EQ(before > 0, test::kCountsAllocations);
+  (void)tool.move_to(-2.5 * kH);
+  (void)tool.move_to(1.5 * kH);
+  EXPECT_EQ(test::num_allocations(), before);
+  if (!test::kCountsAllocations) GTEST_SKIP() << "allocations cannot be counted here";
+}
+
+TEST(ShellBranches, TheFlatSpaceIsOnTheFirst) {
+  const TouchToolSpace space = TwoSides::make();
+  const ShellBranches found = find_shell_branches(space.setup.grid, space.configurations);
+  ASSERT_EQ(found.configurations.size(), 3U);
+  std::set<std::int32_t> all;
+  for (const std::int32_t i : found.configurations.front()) {
+    EXPECT_EQ(space.configurations[i].level, 0);
+  }
+  for (const auto& branch : found.configurations) all.insert(branch.begin(), branch.end());
+  EXPECT_EQ(all.size(), space.configurations.size());
+}
+
+TEST(ShellBranches, WithoutLevelsThereIsOneBranchOfAll) {
+  TouchToolSpace space = TwoSides::make();
+  auto& all = space.configurations;
+  all.erase(std::remove_if(all.begin(), all.end(), [](const auto& c) { return c.level > 0; }),
+            all.end());
+  for (ConfigurationSummary& c : all) c.reached = ConfigurationSummary().reached;
+  const SolutionBranches branches(space);
+  EXPECT_EQ(branches.size(), 1);
+  EXPECT_EQ(branches.configurations(0).size(), all.size());
+  EXPECT_FALSE(branches.ends_at(0, Vec3(0, 0, 0)));
+}
+
+TEST(ShellBranches, AfterTheNormalItIsTheFlatOne) {
+  const TouchToolSpace space = TwoSides::make();
+  const ToolForce force({&space}, Method::energy_hermite);
+  for (const double z : {2.5, 1.5, 0.5, -1.5, -2.2}) {
+    const Vec3 x(0.4 * kH, 0.4 * kH, z * kH);
+    const TouchResult felt = force.evaluate(x, {force.branch_from_outside(x)});
+    EXPECT_NEAR(felt.force.z(), TwoSides::force(x.z(), z > 0 ? 1 : -1), 1e-9) << z;
+  }
+}
+
+}  // namespace
+}  // namespace palpate::test::test_shell_branches
