@@ -26,7 +26,8 @@ TouchResult Press::answer(const ToolForce& force, double coupling) noexcept {
   }
   place_ = is_pressing_ ? Vec3(place_ + followed_ * (hand_ - held_)) : hand_;
   const TouchResult at =
-      balance([&](const Vec3& p) { return force.evaluate(p, branch_); }, hand_, coupling, place_);
+      balance([&](const Vec3& p) { return force.evaluate(p, force.move(branch_, before, p)); },
+              hand_, coupling, place_);
   branch_ = force.move(branch_, before, place_);
   followed_ = followed(at.stiffness, coupling);
   held_ = hand_;
