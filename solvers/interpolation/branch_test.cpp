@@ -14,11 +14,6 @@ double edge_residual(const ConfigurationSummary& a, const ConfigurationSummary& 
 
 namespace {
 
-/// Residuals count only beyond these shares of a large force: that of the energy over the length of
-/// the edge, and that of the force. Cells of 0.8 radii of a sphere have errors of 1 % in the mean,
-/// and of 4 % at most.
-constexpr double kCounts = 0.02;
-constexpr double kForceCounts = 0.2;
 /// The share of all forces that are larger than a large one.
 constexpr double kLarger = 0.05;
 
@@ -37,15 +32,15 @@ EdgeFit::EdgeFit(const std::vector<ConfigurationSummary>& configurations) {
   large_force_ = *large;
 }
 
-bool EdgeFit::fits_in_energy(const ConfigurationSummary& a, const ConfigurationSummary& b) const {
+double EdgeFit::energy_misfit(const ConfigurationSummary& a, const ConfigurationSummary& b) const {
   const Vec3 d = b.t - a.t;
-  return !(edge_residual(a, b, d) > kCounts * large_force_ * d.norm());
+  return edge_residual(a, b, d) / (large_force_ * d.norm());
 }
 
-bool EdgeFit::fits_in_force(const ConfigurationSummary& a, const ConfigurationSummary& b) const {
+double EdgeFit::force_misfit(const ConfigurationSummary& a, const ConfigurationSummary& b) const {
   const Vec3 d = b.t - a.t;
   const Vec3 residual = b.force - a.force - 0.5 * (a.stiffness + b.stiffness) * d;
-  return !(residual.norm() > kForceCounts * large_force_);
+  return residual.norm() / large_force_;
 }
 
 namespace {
