@@ -65,7 +65,7 @@ bool Press::is_known(const ToolForce& force, const Vec3& push) const noexcept {
 
 void Press::find_branch(const ToolForce& force) noexcept {
   branch_ = {};
-  if (!is_pressing_) return;
+  if (!is_pressing_ || force.num_branches() == 1) return;
   double least = std::numeric_limits<double>::infinity();
   for (int branch = 0; branch < force.num_branches(); ++branch) {
     if (!force.has_cell(place_, branch)) continue;

@@ -66,59 +66,62 @@ const ConfigurationSummary* LevelSearch::flat_at(const CheckPoint& p) const {
   return flat != here->second.end() && flat->second.usable() ? &flat->second : nullptr;
 }
 
+template <class Wanted>
+void LevelSearch::add_transitions(const CheckPoint& from, const CheckPoint& to, Wanted&& is_wanted,
+                                  std::set<Key>& all) const {
+  const auto here = found_.find(from);
+  if (here == found_.end()) return;
+  const ConfigurationSummary* flat = flat_at(to);
+  // An inverted body is not physical, so that its branches are not told apart.
+  if (flat != nullptr && is_inverted(*flat)) return;
+  for (const auto& [level, c] : here->second) {
+    const Key key{from, level, to};
+    if (is_start(c) && reached_.count(key) == 0 && is_wanted(c, to)) all.insert(key);
+  }
+}
+
 std::set<LevelSearch::Key> LevelSearch::missing() const {
+  const auto is_not_flat = [&](const ConfigurationSummary& from, const CheckPoint& to) {
+    const ConfigurationSummary* flat = flat_at(to);
+    // The flat space has made the transition to a configuration from its parent.
+    return from.level != 0 || flat == nullptr || flat->parent != from.check_point;
+  };
   std::set<Key> all;
   for (const auto& [p, q] : suspects_) {
-    add_transitions(p, q, all);
-    add_transitions(q, p, all);
+    add_transitions(p, q, is_not_flat, all);
+    add_transitions(q, p, is_not_flat, all);
   }
-  if (setting_.is_smooth) {
-    add_telling(all);
-    return all;
-  }
+  const auto is_wanted = [&](const ConfigurationSummary& from, const CheckPoint& to) {
+    return setting_.is_smooth ? tells(from, to) : is_not_flat(from, to);
+  };
+  std::set<Key> beside_levels;
   for (const auto& [p, levels] : found_) {
     if (levels.rbegin()->first <= 0) continue;
     for (const CheckPoint& q : setting_.neighbours(p)) {
-      add_transitions(p, q, all);
-      add_transitions(q, p, all);
+      add_transitions(p, q, is_wanted, beside_levels);
+      add_transitions(q, p, is_wanted, beside_levels);
     }
   }
+  if (setting_.is_smooth) beside_levels = first_to_make(beside_levels);
+  all.merge(beside_levels);
   return all;
 }
 
-void LevelSearch::add_telling(std::set<Key>& all) const {
-  std::set<Key> telling;
-  const auto add = [&](const CheckPoint& from, const CheckPoint& to) {
-    const auto here = found_.find(from);
-    if (here == found_.end()) return;
-    const ConfigurationSummary* flat = flat_at(to);
-    if (flat != nullptr && is_inverted(*flat)) return;
-    for (const auto& [level, c] : here->second) {
-      if (tells(c, to)) telling.emplace(from, level, to);
-    }
-  };
-  for (const auto& [p, levels] : found_) {
-    if (levels.rbegin()->first <= 0) continue;
-    for (const CheckPoint& q : setting_.neighbours(p)) {
-      add(p, q);
-      add(q, p);
-    }
-  }
-  // One transition to each target is made in a round, and none back: what it finds may tell enough
-  // of the others.
+std::set<LevelSearch::Key> LevelSearch::first_to_make(const std::set<Key>& telling) {
+  std::set<Key> first;
   std::set<CheckPoint> targets;
   std::set<std::pair<CheckPoint, CheckPoint>> ways;
   for (const Key& key : telling) {
     const auto& [from, level, to] = key;
     if (ways.count({to, from}) > 0 || !targets.insert(to).second) continue;
     ways.emplace(from, to);
-    all.insert(key);
+    first.insert(key);
   }
+  return first;
 }
 
 bool LevelSearch::tells(const ConfigurationSummary& from, const CheckPoint& to) const {
   const CheckPoint& p = from.check_point;
-  if (!is_start(from) || reached_.count({p, from.level, to}) > 0) return false;
   const auto there = found_.find(to);
   if (there == found_.end()) return true;
   const Levels& here = found_.at(p);
@@ -136,21 +139,6 @@ bool LevelSearch::tells(const ConfigurationSummary& from, const CheckPoint& to) 
     if (has_come || is_only) ++num_connected;
   }
   return num_connected != 1;
-}
-
-void LevelSearch::add_transitions(const CheckPoint& from, const CheckPoint& to,
-                                  std::set<Key>& all) const {
-  const auto here = found_.find(from);
-  if (here == found_.end()) return;
-  const ConfigurationSummary* flat = flat_at(to);
-  // An inverted body is not physical, so that its branches are not told apart.
-  if (flat != nullptr && is_inverted(*flat)) return;
-  for (const auto& [level, c] : here->second) {
-    // The flat space has made this transition.
-    if (level == 0 && flat != nullptr && flat->parent == from) continue;
-    const Key key{from, level, to};
-    if (is_start(c) && reached_.count(key) == 0) all.insert(key);
-  }
 }
 
 void LevelSearch::settle(const Key& key) {

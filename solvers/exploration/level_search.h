@@ -89,9 +89,14 @@ class LevelSearch {
  private:
   /// The transitions that are not settled yet.
   [[nodiscard]] std::set<Key> missing() const;
-  void add_transitions(const CheckPoint& from, const CheckPoint& to, std::set<Key>& all) const;
-  /// Adds those that may tell more.
-  void add_telling(std::set<Key>& all) const;
+  /// Adds those from the levels of a check-point that were not made and are wanted.
+  /// @param is_wanted Called with the configuration from which a transition starts, and its target.
+  template <class Wanted>
+  void add_transitions(const CheckPoint& from, const CheckPoint& to, Wanted&& is_wanted,
+                       std::set<Key>& all) const;
+  /// Of transitions that may tell more, those of this round: one to each target, and none back, as
+  /// what it finds may tell enough of the others.
+  [[nodiscard]] static std::set<Key> first_to_make(const std::set<Key>& telling);
   /// Whether a transition from a level of a check-point may tell more.
   [[nodiscard]] bool tells(const ConfigurationSummary& from, const CheckPoint& to) const;
   void settle(const Key& key);

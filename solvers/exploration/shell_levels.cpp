@@ -19,6 +19,7 @@ constexpr double kShrinks = 0.25;
 /// three times as many.
 constexpr double kEnergyMisfit = 0.05;
 constexpr double kForceMisfit = 0.3;
+
 CheckPoint moved(CheckPoint p, int axis, std::int32_t steps) {
   p[axis] += steps;
   return p;

@@ -5,7 +5,6 @@
 #include <deque>
 #include <limits>
 #include <map>
-#include <tuple>
 #include <utility>
 
 #include "interpolation/branch_test.h"

@@ -91,15 +91,16 @@ void ToolForce::take_only(const TouchToolSpace& tool_space, const Interpolator* 
 }
 
 int ToolForce::branch_from_outside(const Vec3& x) const {
+  if (branches_ == nullptr) return 0;
   int most = -1;
   int best = 0;
   for (int branch = 0; branch < num_branches(); ++branch) {
-    const CheckPointGrid& grid = at(x, branch).grid();
+    const CheckPointGrid& grid = on(branch).grid();
     const CheckPointGrid::Location here = grid.locate(x);
     if (here.place != CheckPointGrid::Place::cell || !grid.is_complete(here.leaf)) continue;
     int flat = 0;
     for (const std::int32_t node : grid.leaf(here.leaf).corners) {
-      if (!is_flat_.empty()) flat += is_flat_[branch][grid.configuration(node)];
+      flat += is_flat_[branch][grid.configuration(node)];
     }
     if (flat <= most) continue;
     most = flat;
