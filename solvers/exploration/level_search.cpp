@@ -179,14 +179,14 @@ std::int32_t LevelSearch::level_of(const ConfigurationSummary& found) const {
   };
   const ConfigurationSummary* flat = flat_at(found.check_point);
   if (flat != nullptr && is_same(*flat)) return 0;
-  std::int32_t last = 0;
+  std::int32_t free = 1;
   if (const auto levels = levels_.find(found.check_point); levels != levels_.end()) {
     for (const auto& [level, other] : levels->second) {
       if (is_same(other)) return level;
-      last = level;
+      if (level == free) ++free;
     }
   }
-  return last + 1 < kMostLevels ? last + 1 : beyond_most_levels;
+  return free < kMostLevels ? free : beyond_most_levels;
 }
 
 }  // namespace palpate

@@ -16,6 +16,10 @@
 // Neither the rounds nor the order in which a round compares levels depend on the order in which
 // configurations are found.
 //
+// A run that was killed may have lost some of the levels of a check-point, not always the last
+// ones. A level has the first number that is free, so that those that are found again, in the same
+// order, have their numbers again.
+//
 // A check-point has at most kMostLevels levels. A transition that finds one more counts as failed,
 // and is marked so (beyond_most_levels).
 //
@@ -100,7 +104,7 @@ class LevelSearch {
   /// Whether a transition from a level of a check-point may tell more.
   [[nodiscard]] bool tells(const ConfigurationSummary& from, const CheckPoint& to) const;
   void settle(const Key& key);
-  /// The level of a state at its check-point: a known one, the next free one, or
+  /// The level of a state at its check-point: a known one, the first free one, or
   /// beyond_most_levels.
   [[nodiscard]] std::int32_t level_of(const ConfigurationSummary& found) const;
 

@@ -33,7 +33,7 @@ class ShellBuilder {
     for (const std::int32_t seed : seeds()) {
       if (covered_[seed] == 0 && branches_.size() < kMost) grow_further(seed);
     }
-    ShellBranches result{{}, tree_, next(), {}};
+    ShellBranches result{{}, tree_, next(), {}, {}};
     result.ends = ends(result.next);
     result.parts = parts();
     for (const Branch& branch : branches_) {
