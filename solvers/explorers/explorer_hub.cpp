@@ -36,6 +36,8 @@ constexpr std::int64_t kLargestMessage = std::int64_t{128} << 20;
 constexpr std::int64_t kBesideFields = 1 << 20;
 /// Messages are not kept for an explorer that does not take them.
 constexpr int kMostWaiting = 16;
+/// Connections that may wait for their turn.
+constexpr int kMostArriving = 1024;
 
 /// CZMQ has one admission for a whole program.
 std::atomic<bool> there_is_a_hub{false};
@@ -133,6 +135,8 @@ ExplorerHub::Impl::Impl(const std::filesystem::path& keys, const std::string& en
     zsock_set_sndhwm(socket_.get(), kMostWaiting);
     zsock_set_rcvhwm(socket_.get(), kMostWaiting);
     zsock_set_maxmsgsize(socket_.get(), static_cast<int>(kLargestMessage));
+    // Many that come at once do not keep an explorer waiting.
+    zsock_set_backlog(socket_.get(), kMostArriving);
     watch_.reset(zactor_new(zmonitor, socket_.get()));
     zstr_sendx(watch_.get(), "LISTEN", "HANDSHAKE_FAILED_NO_DETAIL", "HANDSHAKE_FAILED_PROTOCOL",
                "HANDSHAKE_FAILED_AUTH", nullptr);

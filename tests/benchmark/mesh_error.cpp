@@ -4,6 +4,7 @@
 //
 //   palpate_benchmark_mesh_error organ.palpate [--touches 30] [--seed 1] [--radius 0.01]
 //     [--tip-radius 0.012] [--depth 0.008] [--modulus 5000] [--edge 0] [--rim 0] [--verbose 0]
+//     [--tips 1] [--poissons-ratio 0]
 //
 // The file holds the organ with its quadratic mesh; its materials are replaced by a neo-Hookean one
 // of that modulus, with a Poisson's ratio of 0.4, 0.45 and 0.49 in turn, and its loads are left
@@ -183,8 +184,9 @@ class Benchmark {
         touch.presses ? std::vector<Index>()
                       : BondedPatches(coarse.body, tip_radius_).around(touch.node).points();
     result.num_faces = count_faces(coarse.body.mesh, patch);
+    // The estimate is wanted of the coarse mesh. The state there is where the fine one begins.
     const auto solve = [&](const Scene& scene, const std::vector<Index>& points,
-                           MeshErrorEstimate* estimate) {
+                           const Equilibrium* coarser, MeshErrorEstimate* estimate) {
       // Conjugate gradients do not solve for mixed cells.
       const bool is_large = scene.body.mesh.num_cells() > 30000 && touch.poissons_ratio <= 0.45;
       EquilibriumSolver solver(scene, {}, is_large ? nullptr : make_linear_solver());
@@ -199,7 +201,16 @@ class Benchmark {
         acting = contact.clone();
       }
       solver.set_interaction(*acting);
-      const Equilibrium state = solver.solve(end, solver.rest(start), Tangent::factorised);
+      Equilibrium state;
+      if (coarser != nullptr) {
+        Equilibrium near;
+        near.t = end;
+        near.u = carried(coarse.body.mesh, halved, coarser->u);
+        state = solver.settle(near);
+      }
+      if (state.outcome != Outcome::converged) {
+        state = solver.solve(end, solver.rest(start), Tangent::factorised);
+      }
       if (estimate != nullptr && state.outcome == Outcome::converged) {
         const MeshErrorEstimator estimator(scene, solver.assembly());
         result.estimate_seconds =
@@ -209,10 +220,11 @@ class Benchmark {
     };
     MeshErrorEstimate estimate;
     Equilibrium here;
-    result.seconds = benchmarks::processor_seconds([&] { here = solve(coarse, patch, &estimate); });
+    result.seconds = benchmarks::processor_seconds([&] { here = solve(coarse, patch, nullptr, &estimate); });
     result.outcome = here.outcome;
     if (here.outcome != Outcome::converged) return result;
-    const Equilibrium finer = solve(fine, refined_patch(patch, coarse.body.mesh, halved), nullptr);
+    const Equilibrium finer =
+        solve(fine, refined_patch(patch, coarse.body.mesh, halved), &here, nullptr);
     result.outcome = finer.outcome;
     if (finer.outcome != Outcome::converged) return result;
     const Eigen::VectorXd truth =
@@ -227,7 +239,8 @@ class Benchmark {
   }
 
   /// Random touches that the organ allows.
-  [[nodiscard]] std::vector<Touch> draw(int number, unsigned seed, double depth) const {
+  [[nodiscard]] std::vector<Touch> draw(int number, unsigned seed, double depth,
+                                        bool has_tips) const {
     const SurfaceTree tree(surface_.points, surface_.triangles);
     std::mt19937 random(seed);
     const auto num_corners = static_cast<Index>(surface_.num_points());
@@ -237,8 +250,8 @@ class Benchmark {
     while (static_cast<int>(touches.size()) < number) {
       Touch touch;
       const auto count = static_cast<int>(touches.size());
-      touch.presses = count % 2 == 0;
-      touch.poissons_ratio = kPoissonsRatios[count / 2 % 3];
+      touch.presses = !has_tips || count % 2 == 0;
+      touch.poissons_ratio = kPoissonsRatios[(has_tips ? count / 2 : count) % 3];
       const Index p = any(random);
       touch.node = surface_.mesh_points[p];
       touch.depth = depth * share(random);
@@ -305,16 +318,19 @@ int run(int argc, char** argv) {
                              {"modulus", 5000},
                              {"edge", 0},
                              {"rim", 0},
-                             {"verbose", 0}});
+                             {"verbose", 0},
+                             {"tips", 1},
+                             {"poissons-ratio", 0}});
   const SpaceBody body = StateSpaceFile::open_read_only(arguments.scene).read_bodies().front();
   const Benchmark benchmark(*body.scene, arguments["tip-radius"], arguments["modulus"],
                             {arguments["edge"], arguments["rim"], arguments["radius"]});
   std::vector<Result> results;
   std::map<std::string, std::vector<Result>> kinds;
   int failed = 0;
-  for (const Touch& touch :
-       benchmark.draw(static_cast<int>(arguments["touches"]),
-                      static_cast<unsigned>(arguments["seed"]), arguments["depth"])) {
+  for (Touch touch : benchmark.draw(static_cast<int>(arguments["touches"]),
+                                    static_cast<unsigned>(arguments["seed"]), arguments["depth"],
+                                    arguments["tips"] > 0)) {
+    if (arguments["poissons-ratio"] > 0) touch.poissons_ratio = arguments["poissons-ratio"];
     const Result result = benchmark.run(touch);
     if (result.outcome != Outcome::converged) {
       ++failed;

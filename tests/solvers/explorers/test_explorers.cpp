@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Explorers in other processes, over a connection: what they find, and what happens to those that
 // are killed, that have the wrong key, or that send what is none of our messages.
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <signal.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -24,6 +21,7 @@
 #include "explorers/local_explorers.h"
 #include "explorers/serve.h"
 #include "explorers/wire.h"
+#include "solvers/explorers/relay.h"
 #include "solvers/following/ball_on_block.h"
 #include "solvers/support/message_of.h"
 #include "solvers/support/world_folder.h"
@@ -47,9 +45,10 @@ class ExplorersTest : public testing::Test {
     session_->follow(ball_.hand());
     hub_->explore_for(session_.get());
   }
-  void start(int number) {
-    explorers_ = std::make_unique<LocalExplorers>(PALPATE_EXPLORE, number, folder_.path(),
-                                                  hub_->endpoint(), 0);
+  void start(int number) { start(number, hub_->endpoint()); }
+  void start(int number, const std::string& endpoint) {
+    explorers_ =
+        std::make_unique<LocalExplorers>(PALPATE_EXPLORE, number, folder_.path(), endpoint, 0);
   }
   /// Exchanges until a condition holds.
   template <class Condition>
@@ -135,6 +134,20 @@ TEST_F(ExplorersTest, ThatAreKilledLoseNothing) {
   EXPECT_EQ(found().size(), found_here().size());
 }
 
+TEST_F(ExplorersTest, WhoseConnectionsAreCutLoseNothing) {
+  begin();
+  Relay relay(hub_->endpoint());
+  start(2, relay.endpoint());
+  for (int i = 0; i < 20; ++i) {
+    const std::int64_t before = session_->figures().num_solved;
+    ASSERT_TRUE(until([&] { return session_->figures().num_solved >= before + 2 || is_done(); }));
+    relay.cut();
+  }
+  ASSERT_TRUE(until([&] { return is_done(); }));
+  EXPECT_GE(relay.num_cut(), 20);
+  EXPECT_EQ(found().size(), found_here().size());
+}
+
 TEST_F(ExplorersTest, OneThatIsStoppedIsLostAndComesBack) {
   begin();
   start(1);
@@ -186,16 +199,11 @@ TEST_F(ExplorersTest, WithoutAKeyOrWithAnotherAreRefused) {
 /// Bytes to the port of the hub, as from a program that speaks no ZeroMQ.
 /// @returns Whether it was reached.
 bool send_bytes(const std::string& endpoint, const std::string& bytes) {
-  const int port = std::atoi(endpoint.substr(endpoint.rfind(':') + 1).c_str());
-  const int file = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  const bool is_there = connect(file, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
-  if (is_there) (void)!::write(file, bytes.data(), bytes.size());
+  const int file = connect_to(port_of(endpoint));
+  if (file < 0) return false;
+  (void)!::write(file, bytes.data(), bytes.size());
   close(file);
-  return is_there;
+  return true;
 }
 
 std::size_t memory_kib() {
@@ -219,7 +227,7 @@ TEST_F(ExplorersTest, GarbageAndManyConnectionsLeaveTheHubAsItIs) {
   };
   flood(2000);
   const std::size_t before = memory_kib();
-  flood(8000);
+  flood(98000);
   EXPECT_LT(memory_kib(), before + 8192);
   EXPECT_GT(hub_->figures().num_refused, 0);
   EXPECT_EQ(hub_->figures().num_explorers, 0);
