@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 
+from processes import runs
 from spaces import compare, configurations, solved_and_reused
 
 
@@ -31,16 +32,6 @@ def start(program, mpiexec, ranks, file, how):
         if line.startswith("pid "):
             pids.append(int(line.split()[1]))
     return job, pids
-
-
-def runs(pid):
-    """Whether a process does. One that has ended may stay for seconds until init takes note."""
-    try:
-        with open(f"/proc/{pid}/stat", encoding="ascii") as stat:
-            state = stat.read().rpartition(")")[2].split()[0]
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-    return state not in "XZ"
 
 
 def finish(job):
