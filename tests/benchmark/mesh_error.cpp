@@ -220,7 +220,8 @@ class Benchmark {
     };
     MeshErrorEstimate estimate;
     Equilibrium here;
-    result.seconds = benchmarks::processor_seconds([&] { here = solve(coarse, patch, nullptr, &estimate); });
+    result.seconds =
+        benchmarks::processor_seconds([&] { here = solve(coarse, patch, nullptr, &estimate); });
     result.outcome = here.outcome;
     if (here.outcome != Outcome::converged) return result;
     const Equilibrium finer =
