@@ -8,7 +8,7 @@ example.
 Sample runs, in this folder, with the plugin loaded:
     xvfb-run -a pvpython make_states.py liver
     for example in liver accuracy discretisation tolerance stability cluster roof palpation \
-      two_hands wobble nodule brain; do xvfb-run -a pvpython make_states.py $example; done
+      online two_hands wobble nodule brain; do xvfb-run -a pvpython make_states.py $example; done
 """
 import os
 import sys
@@ -209,6 +209,23 @@ def make_palpation():
     return stage.view
 
 
+def make_online():
+    """A liver whose space is explored around the hand, and the sphere where it would begin."""
+    scene = liver_scene("Quadratic")
+    touched = np.array([-0.0543, 0.0360, 0.0491])  # NODE_IN_FRONT
+    space = PrecomputeStateSpace(Input=scene, Tool="Sphere", ToolRadius=TOOL_RADIUS, Depth=0.008,
+                                 Spacing=0.008, Tolerance=0.02, BeginAt=list(touched),
+                                 Exploration="Around The Hand", FileName="online.palpate")
+    tool = Sphere(Center=list(touched + pull(TOOL_RADIUS)), Radius=TOOL_RADIUS, ThetaResolution=32,
+                  PhiResolution=32)
+    named(Organ=update(space), Tool=tool)
+    stage = Stage(scene)
+    stage.clear()
+    stage.show(space)
+    stage.show(tool, PALE, Opacity=0.3)
+    return stage.view
+
+
 def moving_liver(nodes):
     """A reduced model of a liver that swings, with tools at these points of liver.vtp."""
     scene = liver_scene("Linear", YoungsModulus=5000, PoissonsRatio=0.4, Density=1060,
@@ -341,8 +358,9 @@ def save(path):
 
 MAKERS = {"liver": make_liver, "accuracy": make_accuracy, "discretisation": make_discretisation,
           "tolerance": make_tolerance, "stability": make_stability, "cluster": make_cluster,
-          "roof": make_roof_touched, "palpation": make_palpation, "two_hands": make_two_hands,
-          "wobble": make_wobble, "nodule": make_nodule, "brain": make_brain}
+          "roof": make_roof_touched, "palpation": make_palpation, "online": make_online,
+          "two_hands": make_two_hands, "wobble": make_wobble, "nodule": make_nodule,
+          "brain": make_brain}
 # Where what they read is, if it is not that of the liver.
 DATA = {"roof": "roof", "nodule": "nodule", "brain": os.path.join("..", "out", "brain")}
 

@@ -252,17 +252,26 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene,
   {
     return;
   }
+  const char* why =
+    "It is made for quadratic cells, for cells that are not too large for what the tool does to "
+    "them, and for tissues whose stiffness hardly changes within the error of the strain. Choose "
+    "quadratic cells where the body is meshed (ElementOrder), or mesh it more finely where "
+    "MeshErrorEnergy is large.";
+  if (estimate.is_bonded)
+  {
+    why = "A tool is bonded to the body: at the rim of a bonded tip the stress is singular, and "
+          "the error is up to three times the estimate; of a force that holds a single point "
+          "(TipRadius below the edges of the cells) all is error. Give the tool a TipRadius of "
+          "several edges, or touch with a rigid tool, for which the estimate is made.";
+  }
+  else if (estimate.is_mixed)
+  {
+    why = "The body has mixed cells (a Formulation of the material): they keep their volume in "
+          "the mean alone, and the error is between a quarter of the estimate and twice of it. "
+          "MeshErrorEnergy says all the same where the body should be meshed more finely.";
+  }
   vtkPalpateWarn(this,
-    std::string("The estimate of the error of the mesh (MeshError) cannot be trusted. ") +
-      (estimate.is_bonded
-          ? "A tool is bonded to the body: at the rim of a bonded tip the stress is singular, and "
-            "the error is up to three times the estimate; of a force that holds a single point "
-            "(TipRadius below the edges of the cells) all is error. Give the tool a TipRadius of "
-            "several edges, or touch with a rigid tool, for which the estimate is made."
-          : "It is made for quadratic cells, for cells that are not too large for what the tool "
-            "does to them, and for tissues whose stiffness hardly changes within the error of the "
-            "strain. Choose quadratic cells where the body is meshed (ElementOrder), or mesh it "
-            "more finely where MeshErrorEnergy is large."));
+    std::string("The estimate of the error of the mesh (MeshError) cannot be trusted. ") + why);
 }
 
 void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,

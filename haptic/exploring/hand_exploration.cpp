@@ -36,35 +36,6 @@ std::string find_explorer() {
 
 }  // namespace
 
-/// A folder for keys, which is removed at the end if it was made here.
-class HandExploration::KeysFolder {
- public:
-  explicit KeysFolder(std::filesystem::path given) : path_(std::move(given)) {
-    if (!path_.empty()) return;
-    std::string made = (std::filesystem::temp_directory_path() / "palpate_keys_XXXXXX").string();
-    if (mkdtemp(made.data()) == nullptr) {
-      throw BackendError("No folder for the keys of explorers can be made in " +
-                         std::filesystem::temp_directory_path().string() +
-                         ". Set TMPDIR to a folder in which you may write.");
-    }
-    path_ = made;
-    is_own_ = true;
-    make_keys(path_);
-  }
-  ~KeysFolder() {
-    std::error_code ignored;
-    if (is_own_) std::filesystem::remove_all(path_, ignored);
-  }
-  KeysFolder(const KeysFolder&) = delete;
-  KeysFolder& operator=(const KeysFolder&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-  bool is_own_ = false;
-};
-
 struct HandExploration::Impl {
   Impl(std::shared_ptr<const Scene> scene, const HandExplorationOptions& options, Where asked,
        TakeBody takes)

@@ -72,7 +72,6 @@ class HandExploration final : public LiveSpace {
   [[nodiscard]] FieldSource& fields() override;
 
  private:
-  class KeysFolder;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -119,6 +119,11 @@ double MeshErrorEstimator::integral(const Field& field) const {
   return sum;
 }
 
+bool MeshErrorEstimator::has_mixed_cells() const {
+  return std::any_of(groups_.begin(), groups_.end(),
+                     [](const Group& group) { return group.is_mixed; });
+}
+
 MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
                                                const Interaction& tool) const {
   const Field here = field(at.u, at.p);
@@ -153,12 +158,13 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
                       estimate.force.allFinite() &&
                       estimate.force.norm() <= kMostReliable * largest;
   estimate.is_bonded = !tool.prescribed_points().empty();
+  estimate.is_mixed = has_mixed_cells();
   const auto hardly_changes = [&] {
     const double at_recovered =
         integral({here.h + here.d, here.d, here.pressure, here.pressure_error});
     return std::abs(at_recovered - squared) <= kMostChange * squared;
   };
-  estimate.is_reliable = estimate.is_small && !estimate.is_bonded &&
+  estimate.is_reliable = estimate.is_small && !estimate.is_bonded && !estimate.is_mixed &&
                          order_ == ElementOrder::quadratic && hardly_changes();
   return estimate;
 }

@@ -3,9 +3,11 @@
 
 #include <czmq.h>
 
+#include <cstdlib>
 #include <map>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "base/error.h"
 #include "explorers/handles.h"
@@ -100,6 +102,24 @@ void check_explorer_keys(const fs::path& folder) {
     throw InputError("There is no key " + leader_key(folder).string() +
                      ". Copy that of the session there.");
   }
+}
+
+KeysFolder::KeysFolder(fs::path given) : path_(std::move(given)) {
+  if (!path_.empty()) return;
+  std::string made = (fs::temp_directory_path() / "palpate_keys_XXXXXX").string();
+  if (mkdtemp(made.data()) == nullptr) {
+    throw BackendError("No folder for the keys of explorers can be made in " +
+                       fs::temp_directory_path().string() +
+                       ". Set TMPDIR to a folder in which you may write.");
+  }
+  path_ = made;
+  is_own_ = true;
+  make_keys(path_);
+}
+
+KeysFolder::~KeysFolder() {
+  std::error_code ignored;
+  if (is_own_) fs::remove_all(path_, ignored);
 }
 
 }  // namespace palpate

@@ -27,4 +27,21 @@ void make_keys(const std::filesystem::path& folder);
 void check_leader_keys(const std::filesystem::path& folder);
 void check_explorer_keys(const std::filesystem::path& folder);
 
+/// A folder of new keys, which are removed at the end; or one that is there already, which stays.
+class KeysFolder {
+ public:
+  /// @param given Empty: a new one, where files for a while are.
+  /// @throws BackendError no folder can be made there. @throws InputError As make_keys().
+  explicit KeysFolder(std::filesystem::path given = {});
+  ~KeysFolder();
+  KeysFolder(const KeysFolder&) = delete;
+  KeysFolder& operator=(const KeysFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  bool is_own_ = false;
+};
+
 }  // namespace palpate

@@ -172,6 +172,8 @@ def interactor_units():
 UNITS = solver_units() | haptic_units() | filter_units() | interactor_units() | {
     "solvers/palpate_explore": Unit({"std", "POSIX", "CLI11"},
                                     {"solvers/base", "solvers/explorers"}),
+    "solvers/palpate_follow": Unit({"std", "CLI11"},
+                                   {f"solvers/{part}" for part in SOLVER_PARTS}),
     # What the programs that a filter starts share.
     "filters/programs/program": Unit({"std", "POSIX"}),
     "filters/programs/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"},

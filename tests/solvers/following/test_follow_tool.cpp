@@ -12,8 +12,8 @@
 
 #include "exploration/contact_shell.h"
 #include "following/follow_tool.h"
+#include "following/following_simulation.h"
 #include "interaction/interaction_spec.h"
-#include "solvers/following/simulated_following.h"
 #include "solvers/support/block.h"
 
 namespace palpate::test::test_follow_tool {
@@ -117,7 +117,7 @@ TEST_F(FollowToolTest, TheCellOfAHandAtRestComesFirst) {
   while (!missing.empty() && number < begun.size()) missing.erase(begun[number++].target);
   // Besides its corners, at most the starts from which they are reached.
   EXPECT_LE(number, 12u);
-  EXPECT_GT(simulation.result().in_known, 0.4 * simulation.result().in_shell);
+  EXPECT_GT(simulation.result().cells.share(), 0.4);
 }
 
 TEST_F(FollowToolTest, EachIsMadeOnceAndInTheEndAllOfTheShellIs) {
@@ -155,8 +155,7 @@ TEST_F(FollowToolTest, MoreSolversFollowAFasterHand) {
     begin();
     FollowingSimulation simulation = simulate(solvers);
     simulation.run(sliding(speed), 3);
-    return static_cast<double>(simulation.result().in_known) /
-           static_cast<double>(simulation.result().in_shell);
+    return simulation.result().cells.share();
   };
   EXPECT_GT(share(4, 0.02), 0.9);
   EXPECT_GT(share(8, 0.1), share(1, 0.1));

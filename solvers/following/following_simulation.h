@@ -4,12 +4,12 @@
 #pragma once
 
 #include <functional>
-#include <set>
 #include <vector>
 
 #include "following/follow_tool.h"
+#include "following/known_cells.h"
 
-namespace palpate::test {
+namespace palpate {
 
 struct FollowingOptions {
   int solvers = 1;
@@ -21,16 +21,12 @@ struct FollowingOptions {
   PredictionOptions prediction;
 };
 
-struct Following {
+struct SimulatedFollowing {
   /// The transitions in the order in which they were begun, and when, s.
   std::vector<Transition> begun;
   std::vector<double> times;
-  /// Ticks of 1 ms in which the hand was in a root cell of the shell, and in which that cell was
-  /// known.
-  long in_shell = 0;
-  long in_known = 0;
-  /// The longest time without a known cell, s.
-  double longest_miss = 0;
+  /// Ticks of 1 ms.
+  KnownCells::Counts cells;
 };
 
 class FollowingSimulation {
@@ -49,7 +45,9 @@ class FollowingSimulation {
   /// Goes on until nothing is left to be done. @returns false: it took longer than that, s.
   bool run_to_end(const Hand& hand, double at_most);
 
-  [[nodiscard]] const Following& result() const { return result_; }
+  [[nodiscard]] const SimulatedFollowing& result() const { return result_; }
+  /// Counts ticks and waits anew.
+  void reset_counts() { known_.reset(); }
   [[nodiscard]] double time() const { return 1e-3 * static_cast<double>(ticks_); }
 
  private:
@@ -66,13 +64,10 @@ class FollowingSimulation {
   FollowingOptions options_;
   Solve solve_;
   std::vector<Solver> solvers_;
-  /// What was found, or given up.
-  std::set<CheckPoint> known_;
+  KnownCells known_;
   long ticks_ = 0;
   double next_pose_ = 0;
-  double missed_since_ = 0;
-  bool is_missing_ = false;
-  Following result_;
+  SimulatedFollowing result_;
 };
 
-}  // namespace palpate::test
+}  // namespace palpate

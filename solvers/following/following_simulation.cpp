@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "solvers/following/simulated_following.h"
+#include "following/following_simulation.h"
 
 #include <algorithm>
 #include <utility>
 
-namespace palpate::test {
+namespace palpate {
+
+namespace {
+
+/// Of the virtual clock, s.
+constexpr double kTick = 1e-3;
+
+}  // namespace
 
 FollowingSimulation::FollowingSimulation(FollowTool& strategy, ShellCells& cells,
                                          const FollowingOptions& options, Solve solve)
@@ -12,7 +19,8 @@ FollowingSimulation::FollowingSimulation(FollowTool& strategy, ShellCells& cells
       cells_(cells),
       options_(options),
       solve_(std::move(solve)),
-      solvers_(static_cast<std::size_t>(options.solvers)) {}
+      solvers_(static_cast<std::size_t>(options.solvers)),
+      known_(cells) {}
 
 void FollowingSimulation::run(const Hand& hand, double seconds) {
   const double end = time() + seconds;
@@ -47,10 +55,10 @@ void FollowingSimulation::tick(const HandMotion& hand) {
     found.parent = solver.transition.start;
     found.outcome = Outcome::converged;
     solve_(solver.transition, found);
-    if (found.usable()) known_.insert(found.check_point);
+    if (found.usable()) known_.add(found.check_point);
     strategy_.accept(found);
   }
-  for (const CheckPoint& p : strategy_.given_up()) known_.insert(p);
+  for (const CheckPoint& p : strategy_.given_up()) known_.add(p);
   if (now >= next_pose_) {
     strategy_.follow(HandPrediction(hand, options_.prediction));
     next_pose_ += options_.between_poses;
@@ -65,26 +73,9 @@ void FollowingSimulation::tick(const HandMotion& hand) {
     result_.begun.push_back(*transition);
     result_.times.push_back(now);
   }
-  const CheckPoint numbers = cells_.numbers_of(hand.place);
-  if (cells_.holds(numbers)) {
-    ++result_.in_shell;
-    bool is_known = true;
-    for (int corner = 0; corner < 8; ++corner) {
-      is_known = is_known && known_.count(corner_of(cells_.root(numbers), corner)) > 0;
-    }
-    if (is_known) {
-      ++result_.in_known;
-    } else if (!is_missing_) {
-      missed_since_ = now;
-    }
-    if (!is_known) {
-      result_.longest_miss = std::max(result_.longest_miss, now + 1e-3 - missed_since_);
-    }
-    is_missing_ = !is_known;
-  } else {
-    is_missing_ = false;
-  }
+  known_.tick(hand.place, kTick);
+  result_.cells = known_.counts();
   ++ticks_;
 }
 
-}  // namespace palpate::test
+}  // namespace palpate
