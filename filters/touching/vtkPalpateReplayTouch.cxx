@@ -390,6 +390,10 @@ struct vtkPalpateReplayTouch::Replay
       this->Touch->SetDisplacement(displacement[0], displacement[1], displacement[2]);
       this->Touch->SetStartDisplacement(displacement[0], displacement[1], displacement[2]);
       this->Touch->SetToolPosition(frame.Place[0], frame.Place[1], frame.Place[2]);
+      // What is felt tells the branch, unless several nodes are moved, which share the force.
+      const Vec3 felt = -frame.Force;
+      const bool isKnown = number == 1 && weight == 1;
+      this->Touch->SetFeltForce(isKnown ? felt.data() : nullptr);
       this->Touch->Update();
       vtkPolyData* touched = this->Touch->GetOutput();
       if (vtkPalpatePassFailure(touched, output) || touched->GetNumberOfPoints() == 0)

@@ -18,8 +18,9 @@
  *
  * The outputs have the field arrays `Time` (s), `Contact` (numbers of palpate::ContactStatus) and
  * `Found` (of palpate::Support). A tick in which several active nodes were moved shows their
- * weighted mean, as the loop felt it. Branches are not recorded: the body is shown on the branch
- * that it reaches on a straight way from rest.
+ * weighted mean, as the loop felt it. In a space with levels the body is shown on that of its
+ * branches at a place whose force is nearest to the recorded one; where several nodes were moved,
+ * on those that it reaches on a straight way from rest.
  *
  * Under MPI the result is whole on rank 0 and empty elsewhere.
  */

@@ -2,6 +2,7 @@
 #include "vtkPalpateTouchStateSpace.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -227,6 +228,28 @@ struct WholeBodyOf
                                                 : this->Pressure;
   }
 };
+
+/// The branch whose force is nearest to one that was felt, of those on which the place is.
+/// @param evaluate Gives the result on a branch.
+template <class Evaluate>
+int BranchOfForce(const palpate::Vec3& felt, int size, Evaluate&& evaluate)
+{
+  int nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int branch = 0; branch < size; ++branch)
+  {
+    const palpate::TouchResult result = evaluate(branch);
+    const bool isThere = branch == 0 || result.support == palpate::Support::inside ||
+      result.support == palpate::Support::marked;
+    const double off = (result.force - felt).norm();
+    if (isThere && off < least)
+    {
+      nearest = branch;
+      least = off;
+    }
+  }
+  return nearest;
+}
 }
 
 /// A tool space that has a weight where the tool is.
@@ -429,6 +452,16 @@ int vtkPalpateTouchStateSpace::FillOutputPortInformation(int port, vtkInformatio
   return 1;
 }
 
+void vtkPalpateTouchStateSpace::SetFeltForce(const double* force)
+{
+  this->FeltForce.reset();
+  if (force)
+  {
+    this->FeltForce = { force[0], force[1], force[2] };
+  }
+  this->Modified();
+}
+
 std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindParts(
   const TouchToolSpace& toolSpace, const double at[3], palpate::TouchResult& touch)
 {
@@ -444,20 +477,29 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
     const palpate::Vec3 start(this->StartDisplacement);
     const palpate::SolutionBranches& branches =
       cache.BranchesOfSpace.try_emplace(toolSpace.setup.key(), toolSpace).first->second;
+    const auto interpolator = [&](int branch) -> const palpate::Interpolator&
+    {
+      auto& made = cache.Branches[{ toolSpace.setup.key(), branch }].Interpolators[how];
+      if (!made)
+      {
+        // The stiffness at rest is that of the branch that rest is on.
+        const int of = method == palpate::Method::linear ? 0 : branch;
+        made = palpate::make_interpolator(
+          method, cache.SpaceOnBranch(toolSpace, &branches, of), options);
+      }
+      return *made;
+    };
     cache.OnBranch =
       cache.FindBranch(toolSpace, &branches, start, this->StartBranch, t, this->Branch, 0).number;
-    Prepared::Branch& branch = cache.Branches[{ cache.Key, cache.OnBranch }];
-    auto& interpolator = branch.Interpolators[how];
-    if (!interpolator)
+    if (this->FeltForce && branches.size() > 1)
     {
-      // The stiffness at rest is that of the branch that rest is on.
-      const int of = method == palpate::Method::linear ? 0 : cache.OnBranch;
-      interpolator =
-        palpate::make_interpolator(method, cache.SpaceOnBranch(toolSpace, &branches, of), options);
+      cache.OnBranch = BranchOfForce(palpate::Vec3(this->FeltForce->data()), branches.size(),
+        [&](int branch) { return interpolator(branch).evaluate(t); });
     }
-    touch = interpolator->evaluate(t);
+    touch = interpolator(cache.OnBranch).evaluate(t);
     parts.push_back({ &cache.SpaceOnBranch(toolSpace, &branches, cache.OnBranch), 1,
-      interpolator.get(), &branch.BodyField, nullptr });
+      &interpolator(cache.OnBranch), &cache.Branches[{ cache.Key, cache.OnBranch }].BodyField,
+      nullptr });
     return parts;
   }
   std::optional<palpate::Vec3> start;
@@ -467,8 +509,13 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
   }
   const auto findBranch = [&](const TouchToolSpace& of, const palpate::ToolForce& force)
   {
-    const palpate::OnBranch branch = cache.FindBranch(of, force.branches(), start,
-      this->StartBranch, t, this->Branch, force.branch_from_outside(t));
+    palpate::OnBranch branch = cache.FindBranch(of, force.branches(), start, this->StartBranch, t,
+      this->Branch, force.branch_from_outside(t));
+    if (this->FeltForce && force.num_branches() > 1)
+    {
+      branch = { BranchOfForce(palpate::Vec3(this->FeltForce->data()), force.num_branches(),
+        [&](int number) { return force.evaluate(t, palpate::OnBranch{ number }); }) };
+    }
     cache.OnBranch = branch.number;
     touch = force.evaluate(t, branch);
   };

@@ -57,7 +57,9 @@
  */
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "PalpateTouchingModule.h"
@@ -134,6 +136,9 @@ public:
   vtkSetMacro(Branch, int);
   vtkGetMacro(Branch, int);
   ///@}
+  /// The force that was felt, N: the body is on that of its branches at this place whose Force is
+  /// nearest to it, whatever the properties of the start and Branch say. Null: it is not known.
+  void SetFeltForce(const double* force);
   ///@{
   /// How the force is interpolated, see InterpolationMethods.
   vtkSetMacro(Interpolation, int);
@@ -199,6 +204,7 @@ private:
   double StartDisplacement[3] = { 0, 0, 0 };
   int StartBranch = -1;
   int Branch = -1;
+  std::optional<std::array<double, 3>> FeltForce;
   int Interpolation = ENERGY_HERMITE;
   bool CorrectMeshError = true;
   bool Stress = false;

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A plate that gives way to either side: TouchStateSpace tells which, by the way of the tool."""
 
+import csv
+
 import numpy
 from paraview import servermanager
-from paraview.simple import (AssignMaterial, PrecomputeStateSpace, SetBoundary, StateSpaceReader,
-                             TouchStateSpace, XMLPartitionedDatasetCollectionReader, SaveData)
+from paraview.simple import (AssignMaterial, PrecomputeStateSpace, ReplayTouch, SaveData,
+                             SetBoundary, StateSpaceReader, TouchStateSpace,
+                             XMLPartitionedDatasetCollectionReader)
 from support import box_body, expect_error, expect_silence, field, source
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
@@ -77,6 +80,37 @@ def check(space):
     return above
 
 
+def check_replay(space):
+    """A recording says by its force on which side the body was."""
+    touch = TouchStateSpace(Input=space, ToolPosition=AT_EDGE, FromStart=1)
+    rows, shapes = [], []
+    for number, way in enumerate((0.03, -0.03)):
+        touch.StartToolPosition = [AT_EDGE[0], AT_EDGE[1], AT_EDGE[2] + way]
+        force, edge, _, found = touched(touch)
+        shapes.append(edge)
+        row = {"time_s": 0.1 * number, "contact": 4, "found": found}
+        row.update({f"node_{k}": -1 for k in range(3)})
+        row.update({f"weight_{k}": 0 for k in range(3)})
+        for axis, place, of_hand in zip("xyz", AT_EDGE, force):
+            row.update({f"anchor_{axis}_m": place, f"displacement_{axis}_m": 0,
+                        f"position_{axis}_m": place,
+                        # With some noise, and the other way round: that of the body on the tool.
+                        f"body_force_{axis}_N": -1.02 * of_hand})
+        rows.append(row)
+    with open("sides.csv", "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, rows[0].keys())
+        writer.writeheader()
+        writer.writerows(rows)
+    replay = ReplayTouch(Input=space, FileName="sides.csv", FrameRate=0)
+    for row, edge in zip(rows, shapes):
+        expect_silence(lambda time=row["time_s"]: replay.UpdatePipeline(time))
+        surface = replay.GetClientSideObject().GetOutputDataObject(0)
+        u = vtk_to_numpy(surface.GetPointData().GetArray("Displacement"))
+        x = vtk_to_numpy(surface.GetPoints().GetData()) - u
+        shown = u[x[:, 0] > 0.0599].mean(axis=0)
+        assert numpy.allclose(shown, edge, atol=1e-5), (shown, edge)
+
+
 def test_levels():
     space = space_of(plate(), FileName="plate.palpate")
     space.UpdatePipeline()
@@ -84,6 +118,7 @@ def test_levels():
     levels = vtk_to_numpy(data.GetPointData().GetArray("Level"))
     assert (levels > 0).sum() > 40 and field(data, "History")[0] == 1
     above = check(space)
+    check_replay(space)
     assert (check(StateSpaceReader(FileName="plate.palpate")) == above).all()
     SaveData("plate.vtpc", proxy=space)
     check(XMLPartitionedDatasetCollectionReader(FileName=["plate.vtpc"]))
