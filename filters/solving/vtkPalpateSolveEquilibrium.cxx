@@ -257,12 +257,13 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene,
     "them, and for tissues whose stiffness hardly changes within the error of the strain. Choose "
     "quadratic cells where the body is meshed (ElementOrder), or mesh it more finely where "
     "MeshErrorEnergy is large.";
-  if (estimate.is_bonded)
+  if (estimate.is_bonded_to_few)
   {
-    why = "A tool is bonded to the body: at the rim of a bonded tip the stress is singular, and "
-          "the error is up to three times the estimate; of a force that holds a single point "
-          "(TipRadius below the edges of the cells) all is error. Give the tool a TipRadius of "
-          "several edges, or touch with a rigid tool, for which the estimate is made.";
+    why = "A tool is bonded to fewer than 16 faces of the body: at the rim of a bonded tip the "
+          "stress is infinite, and only with enough faces under it is the share of the rim known; "
+          "of a force that holds a single point (TipRadius below the edges of the cells) all is "
+          "error. Give the tool a TipRadius of at least two edges, or mesh the body more finely "
+          "there.";
   }
   else if (estimate.is_mixed)
   {

@@ -14,6 +14,9 @@ namespace {
 
 /// c, see the head of the header.
 constexpr double kCorrection = 1.4;
+constexpr double kBondedCorrection = 3;
+/// As many faces are held under a tip at least where the latter was fitted.
+constexpr int kFewestHeldFaces = 16;
 /// The step of the central difference, in mean edges: its error is of second order, 1e-10, and
 /// rounding is as small.
 constexpr double kStep = 1e-5;
@@ -45,7 +48,7 @@ std::vector<double> packed(const Gradients& tensors, const std::vector<Index>& p
 MeshErrorEstimator::MeshErrorEstimator(const Scene& scene, const Assembly& assembly)
     : recovery_(scene.body.mesh, scene.body.material_of_cell),
       pressures_(scene.body.mesh, assembly.pressures_of_corners(), assembly.num_pressures()),
-      order_(scene.body.mesh.order),
+      mesh_(scene.body.mesh),
       mean_edge_(assembly.mean_edge()) {
   std::map<std::pair<Law, bool>, Group> groups;
   const int points_per_cell = recovery_.points_per_cell();
@@ -124,10 +127,26 @@ bool MeshErrorEstimator::has_mixed_cells() const {
                      [](const Group& group) { return group.is_mixed; });
 }
 
+int MeshErrorEstimator::num_held_faces(const Interaction& tool) const {
+  std::vector<char> is_held(mesh_.points.size(), 0);
+  for (const PrescribedPoint& held : tool.prescribed_points()) is_held[held.point] = 1;
+  int count = 0;
+  for (Index c = 0; c < mesh_.num_cells(); ++c) {
+    const Index* corners = mesh_.cell(c);
+    // The corners of a face are all but one.
+    const auto num_held = std::count_if(corners, corners + 4, [&](Index p) { return is_held[p]; });
+    if (num_held == 3) ++count;
+  }
+  return count;
+}
+
 MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
                                                const Interaction& tool) const {
   const Field here = field(at.u, at.p);
   MeshErrorEstimate estimate;
+  estimate.is_bonded = !tool.prescribed_points().empty();
+  estimate.is_bonded_to_few = estimate.is_bonded && num_held_faces(tool) < kFewestHeldFaces;
+  const double correction = estimate.is_bonded ? kBondedCorrection : kCorrection;
   estimate.energy_of_cells.resize(static_cast<std::size_t>(recovery_.num_points()) /
                                   static_cast<std::size_t>(recovery_.points_per_cell()));
   double squared = 0;
@@ -136,10 +155,10 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
     for (std::size_t i = 0; i < of_points.size(); ++i) {
       squared += of_points[i];
       estimate.energy_of_cells[group.points[i] / recovery_.points_per_cell()] +=
-          kCorrection * of_points[i];
+          correction * of_points[i];
     }
   }
-  estimate.energy = -kCorrection * squared;
+  estimate.energy = -correction * squared;
   estimate.force.resize(at.v.cols());
   const double step = kStep * mean_edge_;
   for (Eigen::Index c = 0; c < at.v.cols(); ++c) {
@@ -150,22 +169,21 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
                        here.pressure + by * change.pressure,
                        here.pressure_error + by * change.pressure_error});
     };
-    estimate.force[c] = kCorrection * (moved(step) - moved(-step)) / (2 * step);
+    estimate.force[c] = correction * (moved(step) - moved(-step)) / (2 * step);
   }
   // At rest, both are rounding.
   const double largest = std::max(at.reaction.norm(), kRest * mean_edge_ * at.stiffness.norm());
   estimate.is_small = (at.flags & flags::inverted) == 0 && std::isfinite(squared) && squared >= 0 &&
                       estimate.force.allFinite() &&
                       estimate.force.norm() <= kMostReliable * largest;
-  estimate.is_bonded = !tool.prescribed_points().empty();
   estimate.is_mixed = has_mixed_cells();
   const auto hardly_changes = [&] {
     const double at_recovered =
         integral({here.h + here.d, here.d, here.pressure, here.pressure_error});
     return std::abs(at_recovered - squared) <= kMostChange * squared;
   };
-  estimate.is_reliable = estimate.is_small && !estimate.is_bonded && !estimate.is_mixed &&
-                         order_ == ElementOrder::quadratic && hardly_changes();
+  estimate.is_reliable = estimate.is_small && !estimate.is_bonded_to_few && !estimate.is_mixed &&
+                         mesh_.order == ElementOrder::quadratic && hardly_changes();
   return estimate;
 }
 

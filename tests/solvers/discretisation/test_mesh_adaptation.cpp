@@ -146,10 +146,10 @@ TEST(MeshAdaptation, EndsBeforeThereAreTooManyCells) {
 TEST(MeshAdaptation, DividesCellsThatAreTooLargeForTheEstimateInAnyCase) {
   const Scene scene = make_pressed_block();
   const auto touch = [&](const Scene& on, const MeshHints& /*hints*/) {
-    TouchOnMesh touch = made_up(on, 0.001);
+    TouchOnMesh told = made_up(on, 0.001);
     // On the first mesh.
-    if (on.body.mesh.num_cells() == scene.body.mesh.num_cells()) touch.coarse_cells = {3, 7};
-    return std::vector<TouchOnMesh>{touch};
+    if (on.body.mesh.num_cells() == scene.body.mesh.num_cells()) told.coarse_cells = {3, 7};
+    return std::vector<TouchOnMesh>{told};
   };
   AdaptationOptions options;
   const AdaptedMesh adapted = adapt_mesh(scene, options, touch);
