@@ -93,6 +93,10 @@ function(palpate_add_pvpython_test name script)
 
   set(launcher
     sh "${PROJECT_SOURCE_DIR}/cmake/in_empty_folder.sh" "${CMAKE_CURRENT_BINARY_DIR}/${name}")
+  set(environment
+    "PV_PLUGIN_PATH=${PALPATE_PLUGIN_BUILD_DIR}"
+    "PALPATE_SHARED_DATA=${PALPATE_SHARED_DATA}"
+    "PALPATE_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
   set(locks "")
   set(cost 0)
   if(arg_RENDERS OR arg_WINDOW)
@@ -109,6 +113,10 @@ function(palpate_add_pvpython_test name script)
     if(arg_SYMMETRIC)
       list(APPEND launcher --symmetric)
     endif()
+    # While one rank runs the script, the others ask again and again what to do: they let go first
+    # who has something to do. Ranks that solve together all the time are faster without, and so is
+    # a single one beside other programs: MUMPS would let these go first whenever it asks for mail.
+    list(APPEND environment "OMPI_MCA_mpi_yield_when_idle=1")
   else()
     set(arg_RANKS 1)
     list(APPEND launcher $<TARGET_FILE:ParaView::pvpython>)
@@ -122,13 +130,7 @@ function(palpate_add_pvpython_test name script)
     COST ${cost}
     SKIP_RETURN_CODE 77
     TIMEOUT 600)
-  # While one rank runs the script, the others ask again and again what to do: they let go first who
-  # has something to do. Ranks that solve together all the time are faster without.
-  set_property(TEST "${test}" PROPERTY ENVIRONMENT
-    "OMPI_MCA_mpi_yield_when_idle=1"
-    "PV_PLUGIN_PATH=${PALPATE_PLUGIN_BUILD_DIR}"
-    "PALPATE_SHARED_DATA=${PALPATE_SHARED_DATA}"
-    "PALPATE_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
+  set_property(TEST "${test}" PROPERTY ENVIRONMENT ${environment})
 endfunction()
 
 function(palpate_add_mpi_test test ranks)
