@@ -13,6 +13,7 @@
 #include "exploration/contact_shell.h"
 #include "following/follow_tool.h"
 #include "following/following_simulation.h"
+#include "following/known_cells.h"
 #include "interaction/interaction_spec.h"
 #include "solvers/support/block.h"
 
@@ -262,6 +263,35 @@ TEST_F(FollowToolTest, AHandAtRestGetsFinerCellsAndAFastOneDoesNot) {
   }
   for (auto t = begun.begin(); t != first_fine; ++t) needed.erase(t->target);
   EXPECT_TRUE(needed.empty());
+}
+
+TEST_F(FollowToolTest, TicksInKnownCellsAndWaitsAreCounted) {
+  const Vec3 here = pressed(0.003);
+  const Vec3 beside = pressed(0.003, Vec3(0.016, 0, 0));
+  const Vec3 nowhere = here + Vec3(0, 0, 1);
+  KnownCells known(*cells_);
+  const Cell cell = cells_->root(cells_->numbers_of(here));
+  for (int corner = 0; corner < 7; ++corner) known.add(corner_of(cell, corner));
+  for (int i = 0; i < 3; ++i) known.tick(here, 0.001);  // a corner is missing
+  known.add(corner_of(cell, 7));
+  for (int i = 0; i < 5; ++i) known.tick(here, 0.001);
+  known.tick(beside, 0.001);
+  for (int i = 0; i < 10; ++i) known.tick(nowhere, 0.001);  // does not count
+  known.tick(beside, 0.001);
+  known.tick(beside, 0.001);
+  EXPECT_EQ(known.counts().in_shell, 11);
+  EXPECT_EQ(known.counts().in_known, 5);
+  EXPECT_DOUBLE_EQ(known.counts().share(), 5.0 / 11);
+  ASSERT_EQ(known.counts().waits.size(), 3U);
+  EXPECT_DOUBLE_EQ(known.counts().wait(0), 0.001);
+  EXPECT_DOUBLE_EQ(known.counts().wait(0.5), 0.002);
+  EXPECT_DOUBLE_EQ(known.counts().wait(1), 0.003);
+  // What is known stays known, and a wait that goes on is one of what is counted then.
+  known.reset();
+  known.tick(beside, 0.001);
+  known.tick(here, 0.001);
+  EXPECT_EQ(known.counts().in_known, 1);
+  EXPECT_EQ(known.counts().waits.size(), 1U);
 }
 
 }  // namespace
