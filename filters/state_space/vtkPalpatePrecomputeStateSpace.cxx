@@ -434,10 +434,17 @@ void vtkPalpatePrecomputeStateSpace::BeginFollowing(std::shared_ptr<const palpat
     throw palpate::InputError(
       std::string("What is found around the hand is kept in a file. Set FileName") + orWhole);
   }
-  if (vtkPalpateFindLiveSpace(this->FileName))
+  if (const auto explored = vtkPalpateFindLiveSpace(this->FileName))
   {
-    throw palpate::InputError(
-      "This space is being touched and explored. Stop touching, and press Apply again.");
+    if (explored->body().hash != palpate::hash(*scene))
+    {
+      throw palpate::InputError(
+        "FileName has the space of the body as it was, which is being touched. Give the body as "
+        "it is now another file, and press Apply again.");
+    }
+    // Who touches it goes on with what this execution begins.
+    explored->end();
+    vtkPalpateSetLiveSpace(this->FileName, nullptr);
   }
   palpate::agree(communicator,
     [&]

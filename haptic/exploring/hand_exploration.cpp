@@ -69,6 +69,7 @@ struct HandExploration::Impl {
   State state;
   std::int64_t last_chunk = 0;
   std::string problem;
+  bool is_ended = false;
   SessionFields shown;
   KeysFolder keys;
   ExplorerHub hub;
@@ -137,7 +138,7 @@ HandExploration::~HandExploration() { impl_->stop(); }
 void HandExploration::end() {
   impl_->stop();
   const std::lock_guard lock(impl_->mutex);
-  (void)impl_->session.finish();
+  if (!std::exchange(impl_->is_ended, true)) (void)impl_->session.finish();
 }
 
 HandExploration::Figures HandExploration::figures() const {

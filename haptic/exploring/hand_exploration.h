@@ -50,10 +50,10 @@ class HandExploration final : public LiveSpace {
   HandExploration(const HandExploration&) = delete;
   HandExploration& operator=(const HandExploration&) = delete;
 
-  /// Ends the thread and the explorers. The file, if there is one, has what was found, and others
-  /// may read it.
+  /// Ends the thread and the explorers, once. The file, if there is one, has what was found, and
+  /// others may have it.
   /// @throws InputError, BackendError it cannot be kept.
-  void end();
+  void end() override;
 
   struct Figures {
     FollowSession::Figures session;

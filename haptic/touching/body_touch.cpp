@@ -52,8 +52,10 @@ bool BodyTouch::take_hold(const SurfaceTree::Nearest& at, double least,
   return hold_.take(at, reach, settings.blended);
 }
 
-std::unique_ptr<Touch> make_touch(std::shared_ptr<const Touchable> body) {
-  if (body->force_on_tool() != nullptr) return std::make_unique<PressingTouch>(std::move(body));
+std::unique_ptr<Touch> make_touch(std::shared_ptr<const Touchable> body, Relation relation) {
+  if (body->force_on_tool() != nullptr) {
+    return std::make_unique<PressingTouch>(std::move(body), relation);
+  }
   return std::make_unique<BondedTouch>(std::move(body));
 }
 

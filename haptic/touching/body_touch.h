@@ -13,6 +13,16 @@
 
 namespace palpate {
 
+/// What a body is to one of another scene that was touched before.
+enum class Relation {
+  /// Another one: the tool touches it only after it was outside.
+  other,
+  /// The same organ, which was changed in the hand, with another tissue for example: a rigid tool
+  /// that presses goes on pressing, and the force goes over from the one to the other within a
+  /// fifth of a second.
+  changed
+};
+
 class BodyTouch : public Touch {
  public:
   /// Goes on with another body of the same scene, and lets go of nodes that this one lacks.
@@ -46,6 +56,7 @@ class BodyTouch : public Touch {
 
 /// The touch of a body by the tool that its space has: one that presses, or one that is bonded.
 /// @param body Not null.
-[[nodiscard]] std::unique_ptr<Touch> make_touch(std::shared_ptr<const Touchable> body);
+[[nodiscard]] std::unique_ptr<Touch> make_touch(std::shared_ptr<const Touchable> body,
+                                                Relation relation = Relation::other);
 
 }  // namespace palpate

@@ -12,12 +12,20 @@ constexpr double kFadeIn = 0.2;
 }  // namespace
 
 bool PressingTouch::take_over(const Touch& before) noexcept {
-  if (!BodyTouch::take_over(before)) return false;
   const auto* pressing = dynamic_cast<const PressingTouch*>(&before);
+  if (!BodyTouch::take_over(before)) {
+    if (relation_ == Relation::changed && pressing != nullptr && pressing->armed_) {
+      armed_ = true;
+      waits_ = true;
+      fades_from_ = pressing->felt_;
+    }
+    return false;
+  }
   has_lost_ = pressing != nullptr && pressing->has_lost_;
   waits_ = pressing != nullptr && pressing->waits_;
   fades_in_ = pressing != nullptr && pressing->fades_in_;
   if (fades_in_) came_at_ = pressing->came_at_;
+  fades_from_ = pressing != nullptr ? pressing->fades_from_ : Vec3::Zero();
   press_ = pressing != nullptr ? pressing->press_ : Press();
   press_.find_branch(*body().force_on_tool());
   return true;
@@ -28,6 +36,8 @@ void PressingTouch::release() noexcept {
   press_.release();
   waits_ = false;
   fades_in_ = false;
+  felt_.setZero();
+  fades_from_.setZero();
 }
 
 void PressingTouch::fade_in(Contact& contact, Time time) noexcept {
@@ -41,7 +51,7 @@ void PressingTouch::fade_in(Contact& contact, Time time) noexcept {
     fades_in_ = false;
     return;
   }
-  contact.force *= share;
+  contact.force = fades_from_ + share * (contact.force - fades_from_);
   contact.stiffness *= share;
   contact.energy *= share;
 }
@@ -64,6 +74,7 @@ Contact PressingTouch::touch(const HandState& hand, const TouchSettings& setting
     hold_.let_go();
   }
   if (hold_.holds()) {
+    felt_.setZero();
     const Contact contact = hold_.move(hand.place, settings.coupling_stiffness);
     if (!hold_.slips(contact, true, settings.release_force)) return contact;
     release();
@@ -77,11 +88,14 @@ Contact PressingTouch::touch(const HandState& hand, const TouchSettings& setting
   }
   if (contact.status == ContactStatus::pressing) {
     fade_in(contact, hand.time);
+    felt_ = contact.force;
     return grasps && !has_lost_ && grasp(contact, settings, hand.place)
                ? hold_.move(hand.place, settings.coupling_stiffness)
                : contact;
   }
   const bool is_free = contact.status == ContactStatus::free;
+  felt_.setZero();
+  fades_from_.setZero();
   waits_ = settings.grows && armed_ && !is_free;
   fades_in_ = false;
   armed_ = is_free || waits_;

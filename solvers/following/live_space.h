@@ -28,6 +28,9 @@ class LiveSpace {
   [[nodiscard]] virtual State newest() = 0;
   [[nodiscard]] virtual const SpaceBody& body() const = 0;
   [[nodiscard]] virtual FieldSource& fields() = 0;
+  /// Ends the exploration, so that others may have the file. @throws BackendError not all that was
+  /// found can be kept.
+  virtual void end() = 0;
 };
 
 }  // namespace palpate

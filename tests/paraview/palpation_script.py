@@ -19,6 +19,33 @@ def is_felt():
     return part("state").text().endswith(", pressing") and number("force") > 0.01
 
 
+def source_of(kind):
+    found, = (proxy for proxy in GetSources().values() if proxy.GetXMLName() == kind)
+    return found
+
+
+def check_a_change():
+    """The organ becomes stiffer in the hand: it is felt as it was until the stiffer one is known
+    where the hand is, and there is no moment without a force."""
+    wait(0.5)
+    before = number("force")
+    space, material = source_of("PrecomputeStateSpace"), source_of("AssignMaterial")
+    material.YoungsModulus = 2 * material.YoungsModulus
+    # The file is that of the organ as it was.
+    space.FileName = space.FileName.replace("space.palpate", "stiffer.palpate")
+    space.UpdatePipeline()
+    least = before
+
+    def is_stiffer():
+        nonlocal least
+        least = min(least, number("force"))
+        return number("force") > 1.5 * before
+
+    wait_for(is_stiffer, "the stiffer organ is felt")
+    assert least > 0.5 * before and is_felt(), (least, before)
+    print("stiffer", number("force") / before)
+
+
 def main():
     # As the window does with a script: without its __file__.
     with open(os.path.join(SOURCE, "examples", "common", "touch.py"), encoding="utf-8") as script:
@@ -40,6 +67,8 @@ def main():
     wait_for(is_felt, "it is felt there")
     wait_for(lambda: "inside the space" in part("place").text(), "the cell there is complete")
     print("force", middle, number("force"))
+    if source_of("AssignMaterial").RegionType != "Table":  # of one tissue
+        check_a_change()
     send(Event.MouseButtonRelease, at, buttons=Button.NoButton)
     click_stop()
 

@@ -23,6 +23,21 @@ struct pqPalpateExploration::Grown
   std::shared_ptr<const palpate::Touchable> Body;
 };
 
+namespace
+{
+/// Whether the hand of a tick loses nothing when this body takes the place of the one that it
+/// touches.
+bool IsFeltAt(const palpate::Tick& tick, const palpate::Touchable& body)
+{
+  if (!palpate::touches(tick.contact.status) || !body.force_on_tool())
+  {
+    return true;
+  }
+  const palpate::Support support = body.force_on_tool()->evaluate(tick.position).support;
+  return support == palpate::Support::inside || support == palpate::Support::marked;
+}
+}
+
 pqPalpateExploration::pqPalpateExploration(
   pqPipelineSource* source, std::shared_ptr<const vtkPalpateFollowing> following)
   : Source(source)
@@ -73,8 +88,8 @@ palpate::ExpectedPress pqPalpateExploration::Expected(const palpate::TouchToolSp
   return palpate::expected_press(*this->Following->Scene, rigid.setup);
 }
 
-void pqPalpateExploration::Begin(
-  const Explorers& explorers, const palpate::TouchableOptions& options, palpate::Servo* servo)
+void pqPalpateExploration::Begin(const Explorers& explorers,
+  const palpate::TouchableOptions& options, palpate::Servo* servo, Giving giving)
 {
   palpate::HandExplorationOptions asked;
   asked.space = this->Following->Options;
@@ -94,9 +109,15 @@ void pqPalpateExploration::Begin(
     }
     return palpate::HandMotion{ tick.position, tick.velocity };
   };
-  const auto take = [servo, newest = this->Newest](std::shared_ptr<const palpate::Touchable> body)
+  const auto take = [servo, newest = this->Newest, waits = giving == Giving::WhereTheHandIs](
+                      std::shared_ptr<const palpate::Touchable> body) mutable
   {
-    servo->set_touch(palpate::make_touch(body));
+    waits = waits && !IsFeltAt(servo->latest(), *body);
+    if (waits)
+    {
+      return;
+    }
+    servo->set_touch(palpate::make_touch(body, palpate::Relation::changed));
     const std::lock_guard lock(newest->Mutex);
     newest->Body = std::move(body);
   };
@@ -137,15 +158,25 @@ QString pqPalpateExploration::End()
   }
   const std::shared_ptr<palpate::HandExploration> ended = std::move(this->Running);
   const QString fault = pqPalpateFault([&] { ended->end(); });
-  vtkPalpateSetLiveSpace(this->Following->Options.file.string(), nullptr);
-  if (this->Source)
+  const std::string file = this->Following->Options.file.string();
+  // Another one may explore it already.
+  if (vtkPalpateFindLiveSpace(file) == ended)
   {
-    vtkSMSourceProxy* proxy = this->Source->getSourceProxy();
-    if (auto* filter = vtkObject::SafeDownCast(proxy->GetClientSideObject()))
-    {
-      filter->Modified();
-      proxy->MarkDirty(proxy);
-    }
+    vtkPalpateSetLiveSpace(file, nullptr);
   }
   return fault;
+}
+
+void pqPalpateExploration::HandOver()
+{
+  if (!this->Source)
+  {
+    return;
+  }
+  vtkSMSourceProxy* proxy = this->Source->getSourceProxy();
+  if (auto* filter = vtkObject::SafeDownCast(proxy->GetClientSideObject()))
+  {
+    filter->Modified();
+    proxy->MarkDirty(proxy);
+  }
 }

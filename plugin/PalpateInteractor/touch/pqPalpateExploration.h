@@ -49,17 +49,26 @@ public:
   /// A deep press, as nothing may have been found yet that would tell.
   palpate::ExpectedPress Expected(const palpate::TouchToolSpace& rigid) const;
 
+  /// Whether the servo loop gets what is found at once, or goes on with the body that it has until
+  /// enough is found where the hand is.
+  enum class Giving
+  {
+    AtOnce,
+    WhereTheHandIs
+  };
   /// @param servo It must outlive the exploration.
   /// @throws palpate::InputError, palpate::BackendError it cannot begin.
-  void Begin(
-    const Explorers& explorers, const palpate::TouchableOptions& options, palpate::Servo* servo);
+  void Begin(const Explorers& explorers, const palpate::TouchableOptions& options,
+    palpate::Servo* servo, Giving giving);
   /// The body, if it has grown since the last call; else null.
   std::shared_ptr<const palpate::Touchable> TakeGrown();
   /// What is found, in words, and what is wrong; empty: nothing is.
   QString InWords(QString& problem) const;
-  /// Ends it. The file has what was found, and the pipeline takes it from there.
+  /// Ends it. The file has what was found.
   /// @return What could not be kept; empty: all is kept.
   QString End();
+  /// Has the pipeline take what was found from the file.
+  void HandOver();
 
 private:
   explicit pqPalpateExploration(

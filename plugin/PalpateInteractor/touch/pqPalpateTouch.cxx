@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <optional>
 #include <utility>
 
 #include "haptic/exploring/expected_press.h"
@@ -128,6 +129,8 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
   std::vector<char> Pressable;
   /// What explores the space meanwhile; null: nothing does.
   std::unique_ptr<pqPalpateExploration> Exploration;
+  /// The space that takes the place of this one as soon as its body is felt where the hand is.
+  std::optional<palpate::TouchSpace> Coming;
   /// Whether more was found since the body was last shown.
   bool HasGrown = false;
   /// The settings of the touch as they were last set.
@@ -311,7 +314,8 @@ QString pqPalpateTouch::start(
     hand.Servo->set_touch(palpate::make_touch(session->Body));
     if (session->Exploration)
     {
-      session->Exploration->Begin(this->Current.Explorers, session->Options(), hand.Servo.get());
+      session->Exploration->Begin(this->Current.Explorers, session->Options(), hand.Servo.get(),
+        pqPalpateExploration::Giving::AtOnce);
       session->TouchSettings.grows = true;
     }
     if (hand.Recording)
@@ -340,7 +344,12 @@ QString pqPalpateTouch::endLoops(pqPalpateRun::Session& ended)
   auto& session = static_cast<Session&>(ended);
   Hand& hand = session.Hand;
   const bool hasEnded = hand.Servo->stop();
-  const QString notKept = session.Exploration ? session.Exploration->End() : QString();
+  QString notKept;
+  if (session.Exploration)
+  {
+    notKept = session.Exploration->End();
+    session.Exploration->HandOver();
+  }
   const palpate::Statistics statistics = hand.Servo->statistics();
   const quint64 frames = session.BodyView->GetNumberOfFrames();
   vtkVLogF(PARAVIEW_LOG_PLUGIN_VERBOSITY(),
@@ -401,27 +410,32 @@ void pqPalpateTouch::takeNewData()
         return;
       }
       session.DataTime = time;
-      if (session.Exploration)
-      {
-        this->end("What is explored around the hand was changed. Start again.",
-          pqPalpateRunWatch::Left::All);
-        return;
-      }
       const palpate::TouchSpace copy = pqPalpateFetchSpace(session.Port);
       if (this->Running != kept)
       {
         return;
       }
-      const bool isOther = !palpate::is_same_space(copy.scene_hash, session.Body->scene_hash());
-      session.SetSpace(copy);
-      session.ShowSpace(copy);
-      session.Hand.Servo->set_touch(palpate::make_touch(session.Body));
-      if (isOther && session.Hand.Recording)
+      if (session.Exploration)
       {
-        session.Hand.Servo->set_recording(nullptr);
-        this->closeRecording(std::move(session.Hand.Recording),
-          "The body has become another one: the recording ends there.");
+        const QString notKept = session.Exploration->End();
+        if (!notKept.isEmpty())
+        {
+          this->end(notKept, pqPalpateRunWatch::Left::All);
+          return;
+        }
+        session.Exploration = pqPalpateExploration::Of(session.Port);
+        session.TouchSettings.grows = session.Exploration != nullptr;
       }
+      if (session.Exploration)
+      {
+        // The body as it was is felt until enough of this one is known.
+        session.Exploration->Begin(this->Current.Explorers, session.Options(),
+          session.Hand.Servo.get(), pqPalpateExploration::Giving::WhereTheHandIs);
+        session.Coming = copy;
+        return;
+      }
+      this->takeSpace(copy);
+      session.Hand.Servo->set_touch(palpate::make_touch(session.Body));
       if (session.Node >= 0 && session.Body->find(session.Node, session.OnBody) < 0)
       {
         session.Node = -1;
@@ -431,6 +445,20 @@ void pqPalpateTouch::takeNewData()
   if (!fault.isEmpty())
   {
     this->end(fault, pqPalpateRunWatch::Left::View);
+  }
+}
+
+void pqPalpateTouch::takeSpace(const palpate::TouchSpace& space)
+{
+  Session& session = *this->session();
+  const bool isOther = !palpate::is_same_space(space.scene_hash, session.Body->scene_hash());
+  session.SetSpace(space);
+  session.ShowSpace(space);
+  if (isOther && session.Hand.Recording)
+  {
+    session.Hand.Servo->set_recording(nullptr);
+    this->closeRecording(std::move(session.Hand.Recording),
+      "The body has become another one: the recording ends there.");
   }
 }
 
@@ -471,6 +499,14 @@ void pqPalpateTouch::advance()
   {
     if (auto grown = session.Exploration->TakeGrown())
     {
+      if (const auto coming = std::exchange(session.Coming, std::nullopt))
+      {
+        this->takeSpace(*coming);
+        if (this->Running != kept)
+        {
+          return;
+        }
+      }
       session.Body = std::move(grown);
       session.HasGrown = true;
     }

@@ -11,6 +11,10 @@
 
 #include "pqPalpateRun.h"
 
+namespace palpate
+{
+struct TouchSpace;
+}
 class pqOutputPort;
 class pqRenderView;
 
@@ -66,6 +70,8 @@ private:
 
   /// The session that runs.
   std::shared_ptr<Session> session() const;
+  /// Shows another space from now on.
+  void takeSpace(const palpate::TouchSpace& space);
   /// Shows what has changed since the last frame.
   void show();
   /// Sends the workspace and the other settings to the loop.

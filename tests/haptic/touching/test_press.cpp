@@ -174,6 +174,62 @@ TEST(Press, GoesOnInASpaceThatHasGrown) {
   EXPECT_EQ(p.at(below(0.003)).status, ContactStatus::inside) << "another body is come into";
 }
 
+/// A body of another scene, twice as stiff, at the same places.
+std::shared_ptr<const Touchable> stiffer_body() {
+  TouchSpace space = test::pressed_space();
+  space.scene_hash = "stiffer";
+  for (TouchToolSpace& tool_space : space.tool_spaces) {
+    for (ConfigurationSummary& c : tool_space.configurations) {
+      c.energy *= 2;
+      c.force *= 2;
+      c.stiffness *= 2;
+      c.third_derivative = {};
+    }
+  }
+  return std::make_shared<const Touchable>(space);
+}
+
+TEST(Press, InABodyThatChangesInTheHandTheForceGoesOver) {
+  const Vec3 place = below(0.003);
+  const auto soft = make_touch(Pressing::shared_body());
+  HandState hand;
+  const auto move = [&](Touch& touch, const Vec3& to) {
+    hand.place = to;
+    hand.time += std::chrono::milliseconds(1);
+    return touch.move(hand, {});
+  };
+  (void)move(*soft, below(-0.003));
+  const Contact before = move(*soft, place);
+  ASSERT_EQ(before.status, ContactStatus::pressing);
+
+  const auto stiff = make_touch(stiffer_body(), Relation::changed);
+  EXPECT_FALSE(stiff->take_over(*soft)) << "its energy is another one";
+  double last = before.force.norm();
+  for (int tick = 0; tick < 200; ++tick) {
+    const Contact contact = move(*stiff, place);
+    ASSERT_EQ(contact.status, ContactStatus::pressing);
+    EXPECT_GE(contact.force.norm(), last - 1e-9);
+    EXPECT_LT(contact.force.norm() - last, 0.01 * before.force.norm());
+    last = contact.force.norm();
+  }
+  const Contact after = move(*stiff, place);
+  EXPECT_LT((after.force - 2 * before.force).norm(), kInterpolated * after.force.norm());
+  // What was free stays free, and is felt at once.
+  (void)move(*stiff, below(-0.003));
+  const auto again = make_touch(stiffer_body(), Relation::changed);
+  (void)again->take_over(*stiff);
+  EXPECT_EQ(move(*again, below(-0.003)).status, ContactStatus::free);
+  EXPECT_LT((move(*again, place).force - after.force).norm(), 1e-9);
+
+  // A tool that began inside stays out of it.
+  const auto inside = make_touch(Pressing::shared_body());
+  EXPECT_EQ(move(*inside, place).status, ContactStatus::inside);
+  const auto changed = make_touch(stiffer_body(), Relation::changed);
+  (void)changed->take_over(*inside);
+  EXPECT_EQ(move(*changed, place).status, ContactStatus::inside);
+  EXPECT_EQ(move(*changed, place).force, Vec3::Zero());
+}
+
 TEST(Press, WhereTheSpaceBecomesKnownTheForceComesIn) {
   const Vec3 place = below(0.003, Vec3(0.015, 0, 0));
   for (const bool grows : {false, true}) {
