@@ -45,6 +45,14 @@ def check_a_change():
     assert least > 0.5 * before and is_felt(), (least, before)
     print("stiffer", number("force") / before)
 
+    # A deeper space, in the same file.
+    wait(0.5)
+    before = number("force")
+    space.Depth = 1.1 * space.Depth
+    space.UpdatePipeline()
+    wait(1.5)
+    assert is_felt() and abs(number("force") / before - 1) < 0.05, (number("force"), before)
+
 
 def main():
     # As the window does with a script: without its __file__.
