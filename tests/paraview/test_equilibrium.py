@@ -87,8 +87,8 @@ def test_condition():
 
 
 def test_mesh_error():
-    """It is not computed by default; that of a rigid tool is trusted, and that of a bonded tip or
-    of linear cells is not."""
+    """It is not computed by default; that of a rigid tool is trusted, and that of a tip that holds
+    few faces, of mixed cells or of linear cells is not."""
     boundary = scene("mesh_error", "Neo-Hookean")
     ball = {"Tool": "Sphere", "ToolRadius": 0.08, "ToolPosition": [0.1, 0.05, 0.168]}
     without = expect_silence(lambda: fetch(SolveEquilibrium(Input=boundary, **ball)))
@@ -113,7 +113,7 @@ def test_mesh_error():
                                        TipRadius=tip_radius, EstimateMeshError=1)
         with Messages() as messages:
             tip = fetch(equilibrium)
-        for word in ("TipRadius", "single point", "rigid tool"):
+        for word in ("TipRadius", "single point", "fewer than 16 faces"):
             assert word in messages.text, messages.text
         assert field(tip, "MeshErrorReliable")[0] == 0
     linear = SolveEquilibrium(Input=scene("linear_error", quadratic=False), EstimateMeshError=1,
@@ -121,6 +121,12 @@ def test_mesh_error():
     with Messages() as messages:
         assert field(fetch(linear), "MeshErrorReliable")[0] == 0
     assert "quadratic cells" in messages.text, messages.text
+    mixed = scene("mixed_error")
+    mixed.Input.PoissonsRatio = 0.49
+    with Messages() as messages:
+        pressed = SolveEquilibrium(Input=mixed, EstimateMeshError=1, **ball)
+        assert field(fetch(pressed), "MeshErrorReliable")[0] == 0
+    assert "mixed cells" in messages.text, messages.text
 
 
 def test_increments():
