@@ -34,7 +34,7 @@ constexpr double kBetweenProbes = 0.1;
 constexpr std::int64_t kLargestMessage = std::int64_t{128} << 20;
 /// Room for what is in a message beside the fields of a configuration, bytes.
 constexpr std::int64_t kBesideFields = 1 << 20;
-/// Messages are not kept for an explorer that does not take them.
+/// Not more messages are kept for an explorer that does not take them.
 constexpr int kMostWaiting = 16;
 /// Connections that may wait for their turn.
 constexpr int kMostArriving = 1024;
@@ -133,7 +133,6 @@ ExplorerHub::Impl::Impl(const std::filesystem::path& keys, const std::string& en
     zsock_set_router_mandatory(socket_.get(), 1);
     zsock_set_sndtimeo(socket_.get(), 0);
     zsock_set_sndhwm(socket_.get(), kMostWaiting);
-    zsock_set_rcvhwm(socket_.get(), kMostWaiting);
     zsock_set_maxmsgsize(socket_.get(), static_cast<int>(kLargestMessage));
     // Many that come at once do not keep an explorer waiting.
     zsock_set_backlog(socket_.get(), kMostArriving);

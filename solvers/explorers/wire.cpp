@@ -52,6 +52,9 @@ Bytes wire_layout() {
 void watch_connections(zsock_t* socket) {
   zsock_set_heartbeat_ivl(socket, kBetweenHeartbeats);
   zsock_set_heartbeat_timeout(socket, kConnectionSilence);
+  // With a limit of what waits to be read, libzmq reads no more from a connection where it is
+  // reached; if that is then closed, libzmq 4.3 aborts the program at its next heartbeat.
+  zsock_set_rcvhwm(socket, 0);
 }
 
 Bytes bytes_of(const std::string& text) {

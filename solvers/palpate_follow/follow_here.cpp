@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -112,9 +113,10 @@ FollowedRow follow_here(const RecordedSpace& space, const HandOptions& options, 
   const SteadyClock::time_point started = SteadyClock::now();
   const KeysFolder keys;
   ExplorerHub hub(keys.path(), "tcp://127.0.0.1:*");
-  LocalExplorers processes(find_program("palpate-explore", "PALPATE_EXPLORE",
-                                        "To follow a hand by a virtual clock, give --simulated"),
-                           explorers, keys.path(), hub.endpoint());
+  std::optional<LocalExplorers> processes;
+  processes.emplace(find_program("palpate-explore", "PALPATE_EXPLORE",
+                                 "To follow a hand by a virtual clock, give --simulated"),
+                    explorers, keys.path(), hub.endpoint());
   FollowSession session(space.body().scene, of_space);
   hub.explore_for(&session);
 
@@ -144,7 +146,7 @@ FollowedRow follow_here(const RecordedSpace& space, const HandOptions& options, 
           }
         }
       }
-      (void)processes.watch();
+      (void)processes->watch();
     }
     if (!counts && time >= kBefore) {
       counts = true;
@@ -158,6 +160,7 @@ FollowedRow follow_here(const RecordedSpace& space, const HandOptions& options, 
     if (std::isnan(first_cell) && known.counts().in_known > 0) first_cell = seconds_since(started);
   }
   hub.explore_for(nullptr);
+  processes.reset();
   const FollowSession::Figures figures = session.figures();
   felt.compare(space.body(), setup);
   const KnownCells::Counts& ticks = known.counts();

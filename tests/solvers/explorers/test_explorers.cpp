@@ -7,11 +7,13 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <map>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/clock.h"
@@ -159,6 +161,20 @@ TEST_F(ExplorersTest, OneThatIsStoppedIsLostAndComesBack) {
   EXPECT_EQ(session_->figures().num_under_way, 0);
   kill(process, SIGCONT);
   ASSERT_TRUE(until([&] { return is_done(); }));
+}
+
+// As that of a window which is busy.
+TEST_F(ExplorersTest, OfAHubThatDoesNotListenForAWhileGoOn) {
+  begin();
+  start(2);
+  ASSERT_TRUE(until([&] { return hub_->figures().num_busy == 2; }));
+  // More has come than is read with a limit, and nobody is there any more when the next heartbeat
+  // is due.
+  std::this_thread::sleep_for(std::chrono::seconds(12));
+  for (const pid_t process : processes()) kill(process, SIGKILL);
+  std::this_thread::sleep_for(std::chrono::seconds(6));
+  ASSERT_TRUE(until([&] { return is_done(); })) << hub_->figures().last_failure;
+  EXPECT_EQ(found().size(), found_here().size());
 }
 
 TEST_F(ExplorersTest, GoOnWithAnotherSession) {
