@@ -39,6 +39,7 @@ SPEED, KNOWN = "hand (mm/s)", "in computed cells (%)"
 COLUMNS = {"explorers": ".0f", SPEED: ".0f", "state (ms)": ".0f", KNOWN: ".3g",
            "median error (%)": ".2g", "error of 90 % (%)": ".2g", "force from around (%)": ".3g",
            "median error around (%)": ".2g", "error of 90 % around (%)": ".2g",
+           "usual force (N)": ".2g",
            "median wait (s)": ".2f", "longest wait (s)": ".2f", "first cell (s)": ".2f"}
 # That are simulated, and of them those that are drawn.
 CORES, DRAWN = (1, 2, 4, 8, 32, 128, 1024), (1, 2, 8, 32, 1024)
@@ -113,10 +114,10 @@ def numbers_of(rows):
 
 
 def draw_shares(rows, simulated, path):
-    curves = [Curve(f"{explorers} on this machine",
+    curves = [Curve(f"{explorers:.0f} on this machine",
                     [(row[SPEED], row[KNOWN]) for row in rows if row["explorers"] == explorers],
                     colour, 0) for colour, explorers in enumerate(numbers_of(rows))]
-    curves += [Curve(f"{cores} simulated",
+    curves += [Curve(f"{cores:.0f} simulated",
                      [(row[SPEED], row[KNOWN]) for row in simulated if row["cores"] == cores],
                      len(curves) + colour, 1) for colour, cores in enumerate(DRAWN)]
     chart("A hand that is followed", "speed of the hand (mm/s)", "% of the ticks in computed cells",
@@ -154,10 +155,9 @@ def main():
     rows = follow(path, args)
     simulated = list(rows_of(args, path, "--simulated", *CORES))
     save_csv(vtk_table(simulated, simulated[0]), os.path.join(args.output, "simulated.csv"))
-    usual = max(row["usual force (N)"] for row in rows)
     save_table(rows, COLUMNS,
-               [f"Errors are those of the force against solves from outside, in per cent of the "
-                f"force that nine tenths of the ticks stay below, {usual:.2g} N at the most.",
+               ["Errors are those of the force against solves from outside, in per cent of the "
+                "usual force, that nine tenths of the ticks stay below.",
                 f"A configuration of the part that was explored beforehand ({count:.0f} of them) "
                 f"has taken {simulated[0]['state (ms)']:.0f} ms."], args.output)
     if not os.environ.get("DISPLAY"):
