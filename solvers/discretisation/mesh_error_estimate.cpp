@@ -20,8 +20,9 @@ constexpr int kFewestHeldFaces = 16;
 /// The step of the central difference, in mean edges: its error is of second order, 1e-10, and
 /// rounding is as small.
 constexpr double kStep = 1e-5;
-/// The largest share of the force that its error may be.
-constexpr double kMostReliable = 0.5;
+/// The largest share of the force that its error may be; under a bonded tip it may be larger by as
+/// much as the factor is, but is not called reliable then.
+constexpr double kMost = 0.5;
 /// By how much the squared norm may change, as a share of it, if the tangent is that at the
 /// recovered gradient. At random touches of two livers it changed by 8 % at the most where the
 /// estimate was good, and by 20 to 70 % where it was not, as in a law that stiffens steeply.
@@ -173,17 +174,18 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
   }
   // At rest, both are rounding.
   const double largest = std::max(at.reaction.norm(), kRest * mean_edge_ * at.stiffness.norm());
+  const double share = estimate.force.norm() / largest;
   estimate.is_small = (at.flags & flags::inverted) == 0 && std::isfinite(squared) && squared >= 0 &&
-                      estimate.force.allFinite() &&
-                      estimate.force.norm() <= kMostReliable * largest;
+                      estimate.force.allFinite() && share <= kMost * correction / kCorrection;
   estimate.is_mixed = has_mixed_cells();
   const auto hardly_changes = [&] {
     const double at_recovered =
         integral({here.h + here.d, here.d, here.pressure, here.pressure_error});
     return std::abs(at_recovered - squared) <= kMostChange * squared;
   };
-  estimate.is_reliable = estimate.is_small && !estimate.is_bonded_to_few && !estimate.is_mixed &&
-                         mesh_.order == ElementOrder::quadratic && hardly_changes();
+  estimate.is_reliable = estimate.is_small && share <= kMost && !estimate.is_bonded_to_few &&
+                         !estimate.is_mixed && mesh_.order == ElementOrder::quadratic &&
+                         hardly_changes();
   return estimate;
 }
 

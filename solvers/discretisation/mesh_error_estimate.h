@@ -49,14 +49,15 @@ struct MeshErrorEstimate {
   /// −ΔΠ of each cell [num_cells], J: a mesh is finest for its work where this is the same in all
   /// cells.
   std::vector<double> energy_of_cells;
-  /// Whether it is finite and less than half of the force, and no cell of the state is inverted.
+  /// Whether it is finite and less than half of the force, or about as large as that under a bonded
+  /// tip, and no cell of the state is inverted.
   bool is_small = true;
   /// Whether a tool is bonded to points of the body, and to too few faces.
   bool is_bonded = false;
   bool is_bonded_to_few = false;
   /// Whether the body has mixed cells.
   bool is_mixed = false;
-  /// Whether the estimate may be trusted: where it is small, but not
+  /// Whether the estimate may be trusted: where it is less than half of the force, but not
   /// - for bodies of linear cells, for which c was not fitted, or with mixed ones;
   /// - where a tool is bonded to few faces; the force that holds a single point is an error as a
   ///   whole;
