@@ -35,6 +35,7 @@ from roof import POISSON, TIP, YOUNG, make_roof, save_grid
 ARGS = parser().parse_args(["--resolution", "5", "--law", "Neo-Hookean"])
 # The point of liver.vtp that is farthest in front, and the way out of the body there.
 NODE_IN_FRONT, OUT = 265, np.array([-0.4, 0.4, 1.0])
+IN_FRONT = np.array([-0.0543, 0.0360, 0.0491])  # where it is, m
 # A point below it, for a second tool.
 NODE_BELOW = 277
 OF_BRAIN = "brain_state.palpate"  # beside brain.palpate, which examples/brain/run makes
@@ -192,12 +193,11 @@ def make_roof_touched():
 def make_palpation():
     """A sphere in the liver, within the part of the surface that it can press."""
     scene = liver_scene("Quadratic")
-    touched = np.array([-0.0543, 0.0360, 0.0491])  # NODE_IN_FRONT
     space = PrecomputeStateSpace(Input=scene, Tool="Sphere", ToolRadius=TOOL_RADIUS, Depth=0.008,
                                  Spacing=0.005, UseToolRegion=1, ToolRegion="Sphere",
                                  FileName="palpation.palpate")
-    space.ToolRegion.Center, space.ToolRegion.Radius = list(touched), 0.012
-    place = list(touched + pull(TOOL_RADIUS - 0.006))
+    space.ToolRegion.Center, space.ToolRegion.Radius = list(IN_FRONT), 0.012
+    place = list(IN_FRONT + pull(TOOL_RADIUS - 0.006))
     touch = TouchStateSpace(Input=update(space), ToolPosition=place)
     tool = Sphere(Center=place, Radius=TOOL_RADIUS, ThetaResolution=32, PhiResolution=32)
     named(Space=space, Touch=update(touch), Tool=tool)
@@ -212,11 +212,10 @@ def make_palpation():
 def make_online():
     """A liver whose space is explored around the hand, and the sphere where it would begin."""
     scene = liver_scene("Quadratic")
-    touched = np.array([-0.0543, 0.0360, 0.0491])  # NODE_IN_FRONT
     space = PrecomputeStateSpace(Input=scene, Tool="Sphere", ToolRadius=TOOL_RADIUS, Depth=0.008,
-                                 Spacing=0.008, Tolerance=0.02, BeginAt=list(touched),
+                                 Spacing=0.008, Tolerance=0.02, BeginAt=list(IN_FRONT),
                                  Exploration="Around The Hand", FileName="online.palpate")
-    tool = Sphere(Center=list(touched + pull(TOOL_RADIUS)), Radius=TOOL_RADIUS, ThetaResolution=32,
+    tool = Sphere(Center=list(IN_FRONT + pull(TOOL_RADIUS)), Radius=TOOL_RADIUS, ThetaResolution=32,
                   PhiResolution=32)
     named(Organ=update(space), Tool=tool)
     stage = Stage(scene)

@@ -252,18 +252,19 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene,
   {
     return;
   }
-  const char* why =
+  std::string why =
     "It is made for quadratic cells, for cells that are not too large for what the tool does to "
     "them, and for tissues whose stiffness hardly changes within the error of the strain. Choose "
     "quadratic cells where the body is meshed (ElementOrder), or mesh it more finely where "
     "MeshErrorEnergy is large.";
   if (estimate.is_bonded_to_few)
   {
-    why = "A tool is bonded to fewer than 16 faces of the body: at the rim of a bonded tip the "
-          "stress is infinite, and only with enough faces under it is the share of the rim known; "
-          "of a force that holds a single point (TipRadius below the edges of the cells) all is "
-          "error. Give the tool a TipRadius of at least two edges, or mesh the body more finely "
-          "there.";
+    why = "A tool is bonded to fewer than " + std::to_string(palpate::kFewestHeldFaces) +
+      " faces of the body: at the rim of a bonded tip the stress is infinite, and only with enough "
+      "faces under it is the share of the rim known; of a force that holds a single point "
+      "(TipRadius below the edges of the cells) all is error. Give the tool a TipRadius of at "
+      "least "
+      "two edges, or mesh the body more finely there.";
   }
   else if (estimate.is_mixed)
   {
@@ -271,8 +272,8 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene,
           "the mean alone, and the error is between a quarter of the estimate and twice of it. "
           "MeshErrorEnergy says all the same where the body should be meshed more finely.";
   }
-  vtkPalpateWarn(this,
-    std::string("The estimate of the error of the mesh (MeshError) cannot be trusted. ") + why);
+  vtkPalpateWarn(
+    this, "The estimate of the error of the mesh (MeshError) cannot be trusted. " + why);
 }
 
 void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,

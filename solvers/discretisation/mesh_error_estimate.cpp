@@ -15,8 +15,6 @@ namespace {
 /// c, see the head of the header.
 constexpr double kCorrection = 1.4;
 constexpr double kBondedCorrection = 3;
-/// As many faces are held under a tip at least where the latter was fitted.
-constexpr int kFewestHeldFaces = 16;
 /// The step of the central difference, in mean edges: its error is of second order, 1e-10, and
 /// rounding is as small.
 constexpr double kStep = 1e-5;

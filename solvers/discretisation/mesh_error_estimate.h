@@ -41,6 +41,9 @@
 
 namespace palpate {
 
+/// As many faces are held under a bonded tip at least, where c was fitted for it.
+inline constexpr int kFewestHeldFaces = 16;
+
 struct MeshErrorEstimate {
   /// ΔΠ, J; not positive, except where the body has lost its stability.
   double energy = 0;

@@ -74,7 +74,6 @@ void FollowingSimulation::tick(const HandMotion& hand) {
     result_.times.push_back(now);
   }
   known_.tick(hand.place, kTick);
-  result_.cells = known_.counts();
   ++ticks_;
 }
 

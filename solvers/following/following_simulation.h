@@ -25,8 +25,6 @@ struct SimulatedFollowing {
   /// The transitions in the order in which they were begun, and when, s.
   std::vector<Transition> begun;
   std::vector<double> times;
-  /// Ticks of 1 ms.
-  KnownCells::Counts cells;
 };
 
 class FollowingSimulation {
@@ -46,6 +44,8 @@ class FollowingSimulation {
   bool run_to_end(const Hand& hand, double at_most);
 
   [[nodiscard]] const SimulatedFollowing& result() const { return result_; }
+  /// Of ticks of 1 ms.
+  [[nodiscard]] const KnownCells::Counts& counts() const { return known_.counts(); }
   /// Counts ticks and waits anew.
   void reset_counts() { known_.reset(); }
   [[nodiscard]] double time() const { return 1e-3 * static_cast<double>(ticks_); }

@@ -16,9 +16,10 @@ double KnownCells::Counts::wait(double share) const {
 void KnownCells::tick(const Vec3& place, double until_next) {
   const CheckPoint numbers = cells_.numbers_of(place);
   const bool is_in_shell = cells_.holds(numbers);
+  const Cell cell = cells_.root(numbers);
   bool is_known = is_in_shell;
   for (int corner = 0; corner < 8 && is_known; ++corner) {
-    is_known = known_.count(corner_of(cells_.root(numbers), corner)) > 0;
+    is_known = known_.count(corner_of(cell, corner)) > 0;
   }
   counts_.in_shell += is_in_shell ? 1 : 0;
   counts_.in_known += is_known ? 1 : 0;

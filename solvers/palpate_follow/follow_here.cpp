@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <map>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "accuracy/statistics.h"
 #include "base/clock.h"
 #include "base/find_program.h"
 #include "exploration/state_solver.h"
@@ -30,12 +30,6 @@ namespace {
 constexpr double kBetweenPoses = 0.01;
 /// The time that does not count, s.
 constexpr double kBefore = 1;
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
 
 /// Where a force comes from.
 enum class Kind { nothing, around, in_cell };
@@ -121,9 +115,9 @@ FollowedRow follow_here(const RecordedSpace& space, const HandOptions& options, 
   hub.explore_for(&session);
 
   const ToolSpaceSetup& setup = session.job().setup;
-  ShellCells cells(space.clearance(), setup.grid, space.body().scene->body.touchable,
+  ShellCells cells(*space.clearance(), setup.grid, space.body().scene->body.touchable,
                    of_space.contact->shell);
-  PalpatingHand hand(space.clearance(), space.middle(), options.extent, speed, options.seed);
+  PalpatingHand hand(*space.clearance(), space.middle(), options.extent, speed, options.seed);
   Felt felt(session.empty_space(), NearStates::usual_reach(setup.grid));
   KnownCells known(cells);
   double first_cell = std::numeric_limits<double>::quiet_NaN();

@@ -2,7 +2,6 @@
 #include "palpate_follow/recorded_space.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "base/error.h"
 #include "storage/state_space_file.h"
@@ -21,27 +20,22 @@ RecordedSpace::RecordedSpace(const std::string& path) {
   body_ = make_space_body(file.read_scene(setup_.body), file.read_rest(setup_.body));
   tools_ = std::make_unique<InteractionFactory>(body_.scene->body, body_.at_rest);
   clearance_ = tools_->clearance(setup_.interaction);
-  double number = 0;
+  std::vector<Vec3> pressed;
   for (const Configuration& c : file.read_summaries(setup_.key())) {
     if (c.level != 0) continue;
     configurations_[c.check_point] = c;
     if (!c.usable() || (c.flags & flags::touches_nothing) != 0) continue;
     mean_seconds_ += c.seconds;
-    ++number;
+    pressed.push_back(clearance_->approach(setup_.grid.place(c.check_point)).touched);
   }
-  if (number == 0) throw InputError(path + " has no configuration in which the tool presses.");
-  mean_seconds_ /= number;
-  find_middle();
+  if (pressed.empty()) throw InputError(path + " has no configuration in which the tool presses.");
+  mean_seconds_ /= static_cast<double>(pressed.size());
+  find_middle(pressed);
 }
 
-void RecordedSpace::find_middle() {
+void RecordedSpace::find_middle(const std::vector<Vec3>& pressed) {
   Vec3 mean = Vec3::Zero();
-  std::vector<Vec3> pressed;
-  for (const auto& [p, c] : configurations_) {
-    if (!c.usable() || (c.flags & flags::touches_nothing) != 0) continue;
-    pressed.push_back(clearance_->approach(setup_.grid.place(p)).touched);
-    mean += pressed.back();
-  }
+  for (const Vec3& place : pressed) mean += place;
   mean /= static_cast<double>(pressed.size());
   middle_ = *std::min_element(pressed.begin(), pressed.end(), [&](const Vec3& a, const Vec3& b) {
     return (a - mean).norm() < (b - mean).norm();

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "exploration/precompute_options.h"
 #include "interaction/interaction_spec.h"
@@ -21,10 +22,7 @@ class RecordedSpace {
 
   [[nodiscard]] const SpaceBody& body() const { return body_; }
   [[nodiscard]] const ToolSpaceSetup& setup() const { return setup_; }
-  [[nodiscard]] const ToolClearance& clearance() const { return *clearance_; }
-  [[nodiscard]] const std::shared_ptr<const ToolClearance>& shared_clearance() const {
-    return clearance_;
-  }
+  [[nodiscard]] const std::shared_ptr<const ToolClearance>& clearance() const { return clearance_; }
   /// Those of the whole surface, around the middle, with the same tool, cells and depth.
   [[nodiscard]] PrecomputeOptions options() const;
   /// Of all that is pressed, the place of the surface that is nearest to its middle, m.
@@ -36,7 +34,8 @@ class RecordedSpace {
   [[nodiscard]] double mean_seconds() const { return mean_seconds_; }
 
  private:
-  void find_middle();
+  /// @param pressed Places of the surface that are pressed, m; some.
+  void find_middle(const std::vector<Vec3>& pressed);
 
   SpaceBody body_;
   ToolSpaceSetup setup_;

@@ -12,8 +12,8 @@ FollowedRow simulate_following(const RecordedSpace& space, const HandOptions& op
   setup.policy.tolerance = 0;
   const ShellOptions shell = space.options().contact->shell;
   const std::vector<char>& touchable = space.body().scene->body.touchable;
-  FollowTool strategy(setup, space.shared_clearance(), touchable, shell);
-  ShellCells cells(space.clearance(), setup.grid, touchable, shell);
+  FollowTool strategy(setup, space.clearance(), touchable, shell);
+  ShellCells cells(*space.clearance(), setup.grid, touchable, shell);
   FollowingOptions following;
   following.solvers = cores;
   const auto& recorded = space.configurations();
@@ -30,12 +30,12 @@ FollowedRow simulate_following(const RecordedSpace& space, const HandOptions& op
                                    if (known != recorded.end()) found = known->second;
                                    found.parent = parent;
                                  });
-  PalpatingHand hand(space.clearance(), space.middle(), options.extent, speed, options.seed);
+  PalpatingHand hand(*space.clearance(), space.middle(), options.extent, speed, options.seed);
   const auto move = [&](double) { return hand.next(); };
   simulation.run(move, 1);
   simulation.reset_counts();
   simulation.run(move, options.seconds);
-  const KnownCells::Counts& counts = simulation.result().cells;
+  const KnownCells::Counts& counts = simulation.counts();
   return {{"cores", cores},
           {"hand (mm/s)", 1e3 * speed},
           {"in computed cells (%)", 100 * counts.share()},

@@ -118,7 +118,7 @@ TEST_F(FollowToolTest, TheCellOfAHandAtRestComesFirst) {
   while (!missing.empty() && number < begun.size()) missing.erase(begun[number++].target);
   // Besides its corners, at most the starts from which they are reached.
   EXPECT_LE(number, 12u);
-  EXPECT_GT(simulation.result().cells.share(), 0.4);
+  EXPECT_GT(simulation.counts().share(), 0.4);
 }
 
 TEST_F(FollowToolTest, EachIsMadeOnceAndInTheEndAllOfTheShellIs) {
@@ -156,7 +156,7 @@ TEST_F(FollowToolTest, MoreSolversFollowAFasterHand) {
     begin();
     FollowingSimulation simulation = simulate(solvers);
     simulation.run(sliding(speed), 3);
-    return simulation.result().cells.share();
+    return simulation.counts().share();
   };
   EXPECT_GT(share(4, 0.02), 0.9);
   EXPECT_GT(share(8, 0.1), share(1, 0.1));
