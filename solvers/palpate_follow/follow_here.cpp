@@ -43,7 +43,16 @@ class Felt {
   }
   void take(const SpaceChunk& chunk) {
     palpate::take(chunk, space_);
-    force_ = std::make_unique<ToolForce>(space_.list_pressing(), Method::energy_hermite, options_);
+    const std::vector<const TouchToolSpace*> rigid = space_.list_pressing();
+    if (force_ == nullptr) {
+      force_ = std::make_unique<ToolForce>(rigid, Method::energy_hermite, options_);
+      return;
+    }
+    for (const ToolSpaceChunk& part : chunk.tool_spaces) {
+      std::vector<CheckPoint> changed;
+      for (const ConfigurationSummary& c : part.configurations) changed.push_back(c.check_point);
+      force_ = std::make_unique<ToolForce>(*force_, rigid, part.setup.key(), changed);
+    }
   }
   void feel(const Vec3& place) {
     Tick tick{place, Vec3::Zero(), Kind::nothing};
@@ -132,15 +141,15 @@ FollowedRow follow_here(const RecordedSpace& space, const HandOptions& options, 
     if (time >= next_pose) {
       next_pose = time + kBetweenPoses;
       session.follow(HandPrediction(motion));
-      if (hub.exchange()) {
-        while (const auto chunk = session.take_chunk()) {
-          felt.take(*chunk);
-          for (const ToolSpaceChunk& part : chunk->tool_spaces) {
-            for (const ConfigurationSummary& c : part.configurations) known.add(c.check_point);
-          }
+      (void)processes->watch();
+    }
+    if (hub.exchange()) {
+      while (const auto chunk = session.take_chunk()) {
+        felt.take(*chunk);
+        for (const ToolSpaceChunk& part : chunk->tool_spaces) {
+          for (const ConfigurationSummary& c : part.configurations) known.add(c.check_point);
         }
       }
-      (void)processes->watch();
     }
     if (!counts && time >= kBefore) {
       counts = true;

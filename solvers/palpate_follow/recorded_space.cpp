@@ -51,6 +51,7 @@ PrecomputeOptions RecordedSpace::options() const {
   options.contact->shell.begin_at = middle_;
   options.force_limit = setup_.policy.force_limit;
   options.equilibrium.third_derivatives = setup_.policy.third_derivatives;
+  options.equilibrium.single_precision = true;
   return options;
 }
 
