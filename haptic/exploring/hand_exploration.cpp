@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "haptic/exploring/hand_exploration.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
@@ -23,8 +24,10 @@ namespace {
 
 /// The time between two questions where the hand is, s.
 constexpr double kBetweenPoses = 0.01;
-/// The least time between two bodies that are given out, s.
+/// The least time between two bodies that are given out, s, and how many times as long it is as
+/// making one takes. In a large space with levels that can take long.
 constexpr double kBetweenBodies = 0.03;
+constexpr double kRestsAfterBody = 4;
 /// How long the thread leaves the session to those who show the body.
 constexpr std::chrono::milliseconds kPause{1};
 
@@ -92,6 +95,7 @@ void HandExploration::Impl::run() noexcept {
   try {
     SteadyClock::time_point asked;
     SteadyClock::time_point given;
+    double rests = kBetweenBodies;
     std::shared_ptr<const Touchable> newest;
     while (!stops) {
       {
@@ -102,9 +106,11 @@ void HandExploration::Impl::run() noexcept {
           (void)explorers.watch();
         }
         (void)hub.exchange();
-        if (seconds_since(given) >= kBetweenBodies) {
+        if (seconds_since(given) >= rests) {
           given = SteadyClock::now();
           grow();
+          rests = std::max(kBetweenBodies, kRestsAfterBody * seconds_since(given));
+          given = SteadyClock::now();
         }
       }
       if (newest != body) {

@@ -409,7 +409,7 @@ void Engine::settle(ToolSpaceKey tool_space, Owned& owned, const Settlement& set
 Engine::Target Engine::target_of(const Owned& owned, const Transition& transition) {
   Target target{transition.target};
   if (transition.finds_candidate) {
-    target.level = candidate_level(transition.start, transition.start_level, target.check_point);
+    target.level = level_of(transition);
     return target;
   }
   const auto failed = owned.failed.find(target.check_point);

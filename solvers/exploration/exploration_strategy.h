@@ -29,6 +29,11 @@ struct Transition {
 
   [[nodiscard]] bool needs_no_start() const { return start == target; }
 };
+/// The level of what a transition finds, which may be that of a candidate.
+[[nodiscard]] inline std::int32_t level_of(const Transition& transition) {
+  if (!transition.finds_candidate) return 0;
+  return candidate_level(transition.start, transition.start_level, transition.target);
+}
 
 /// The result of a transition between levels.
 struct Settlement {

@@ -5,16 +5,22 @@
 // reached along the normals, has the one side beside the other.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "exploration/level_search.h"
+#include "interpolation/branch_test.h"
 #include "state_space/tool_space.h"
 
 namespace palpate {
 
 /// Begins the search for levels in the space of a rigid tool, and suspects its edges.
-/// @param flat The configurations of the flat space, which is complete, in the order of operator<.
-[[nodiscard]] LevelSearch begin_level_search(const ToolSpaceSetup& setup,
-                                             const std::vector<ConfigurationSummary>& flat);
+/// @param flat The configurations of the flat space, or of the part of it that is known, in the
+///   order of operator<.
+/// @param fit That of the whole space.
+/// @param within The check-points between which levels are searched for; empty: all.
+[[nodiscard]] LevelSearch begin_level_search(
+    const ToolSpaceSetup& setup, const std::vector<ConfigurationSummary>& flat, const EdgeFit& fit,
+    const std::function<bool(const CheckPoint&)>& within = {});
 
 }  // namespace palpate

@@ -59,7 +59,8 @@ bool ShellRounds::search(Engine& engine) {
   const ToolSpaceSetup& setup = space_.setup;
   if (setup.policy.history == History::flat) return false;
   if (!search_) {
-    search_ = begin_level_search(setup, flat());
+    const std::vector<ConfigurationSummary> found = flat();
+    search_ = begin_level_search(setup, found, EdgeFit(found));
     for (const LevelTransition& transition : recalled_) search_->recall(transition);
   }
   for (const ConfigurationSummary& c : std::exchange(of_levels_, {})) search_->recall(c);

@@ -93,8 +93,9 @@ struct Explorer::Impl {
 
 Equilibrium Explorer::Impl::start_of(const ExplorerTask& task) {
   for (const Configuration& c : recent) {
-    if (c.check_point != task.start->check_point || c.level != task.start->level) continue;
-    if (c.energy == task.start->energy) return to_equilibrium(Configuration(c));
+    // Since it was found, a candidate may have become a level.
+    if (c.check_point != task.start->check_point || c.energy != task.start->energy) continue;
+    return to_equilibrium(Configuration(c));
   }
   const Equilibrium start = to_equilibrium(Configuration(*task.start));
   return task.kept < Keep::all ? states.restore(setup, start, task.kept) : start;
@@ -116,9 +117,9 @@ ExplorerResult Explorer::make(const ExplorerTask& task) {
   try {
     std::optional<Equilibrium> start;
     if (task.start) start = impl_->start_of(task);
-    result.found =
-        make_configuration(impl_->states, impl_->setup, task.transition, start ? &*start : nullptr,
-                           0, task.leads_on ? Tangent::factorised : Tangent::iterated);
+    result.found = make_configuration(impl_->states, impl_->setup, task.transition,
+                                      start ? &*start : nullptr, level_of(task.transition),
+                                      task.leads_on ? Tangent::factorised : Tangent::iterated);
     if (task.leads_on && result.found.usable()) impl_->remember(result.found);
   } catch (const InputError& error) {
     result.refusal = error.what();
@@ -128,6 +129,7 @@ ExplorerResult Explorer::make(const ExplorerTask& task) {
     result.found.check_point = task.transition.target;
     result.found.parent = task.transition.start;
     result.found.parent_level = task.transition.start_level;
+    result.found.level = level_of(task.transition);
     result.found.outcome = Outcome::not_converged;
   }
   return result;

@@ -54,6 +54,8 @@ struct FollowSession::Impl {
   void open_record();
   /// Keeps targets that were given up, with the last failed attempt, if there was one.
   void keep_given_up();
+  /// Keeps what transitions between levels have reached.
+  void keep_settled();
   /// Whether something is what was asked for. It may come from a program of another kind.
   [[nodiscard]] bool is_sound(const Transition& asked, const Configuration& found);
 
@@ -65,8 +67,8 @@ struct FollowSession::Impl {
   HandMotion first_hand;
   std::unique_ptr<ChunkRecord> record;
   std::unique_ptr<FollowTool> strategy;
-  /// The usable configurations, which may be starts.
-  std::map<CheckPoint, ConfigurationSummary> starts;
+  /// The usable configurations, which may be starts, by check-point and level.
+  std::map<std::pair<CheckPoint, std::int32_t>, ConfigurationSummary> starts;
   /// Failed transitions whose targets may be reached from another start, with the sums of the
   /// iterations and times of all attempts.
   std::map<CheckPoint, ConfigurationSummary> failed;
@@ -119,11 +121,12 @@ void FollowSession::Impl::open_record() {
       setups, options.touch_bound, *communicator);
   strategy = std::make_unique<FollowTool>(job.setup, tools->clearance(job.setup.interaction),
                                           job.scene->body.touchable, options.contact->shell);
-  for (const ConfigurationSummary& found : record->known(job.setup.key()).configurations) {
-    if (found.level != 0) continue;
+  const Known known = record->known(job.setup.key());
+  for (const ConfigurationSummary& found : known.configurations) {
     strategy->recall(found);
-    if (found.usable()) starts.emplace(found.check_point, found);
+    if (found.usable()) starts.emplace(std::pair(found.check_point, found.level), found);
   }
+  for (const LevelTransition& transition : known.transitions) strategy->recall(transition);
 }
 
 void FollowSession::Impl::keep_given_up() {
@@ -135,8 +138,26 @@ void FollowSession::Impl::keep_given_up() {
   }
 }
 
+void FollowSession::Impl::keep_settled() {
+  const ToolSpaceKey key = job.setup.key();
+  for (const Settlement& settlement : strategy->settled()) {
+    const LevelTransition& transition = settlement.transition;
+    record->keep(key, transition);
+    if (!settlement.has_candidate) continue;
+    const std::int32_t level =
+        candidate_level(transition.start, transition.start_level, transition.target);
+    const ConfigurationSummary candidate = starts.extract({transition.target, level}).mapped();
+    record->settle(key, candidate, settlement.is_new ? transition.reached : failed_to_reach);
+    if (!settlement.is_new) continue;
+    ConfigurationSummary& found = starts[{transition.target, transition.reached}];
+    found = candidate;
+    found.level = transition.reached;
+  }
+}
+
 bool FollowSession::Impl::is_sound(const Transition& asked, const Configuration& found) {
-  if (found.check_point != asked.target || found.level != 0 || found.parent != asked.start) {
+  if (found.check_point != asked.target || found.level != level_of(asked) ||
+      found.parent != asked.start || found.parent_level != asked.start_level) {
     return false;
   }
   if (found.outcome < Outcome::converged || found.outcome > Outcome::tool_inside) return false;
@@ -180,16 +201,19 @@ void FollowSession::follow(const HandPrediction& hand) {
 std::optional<ExplorerTask> FollowSession::next() {
   const std::optional<Transition> transition = impl_->strategy->next();
   impl_->keep_given_up();
+  impl_->keep_settled();
   impl_->has_nothing_left = !transition;
   if (!transition) return std::nullopt;
   ExplorerTask task;
   task.number = ++impl_->last_task;
   task.transition = *transition;
-  task.leads_on = impl_->strategy->leads_on(transition->target);
+  // Levels are told apart by their inertia too, which takes a factor.
+  task.leads_on = transition->finds_candidate || impl_->strategy->leads_on(transition->target);
   impl_->tasks.emplace(task.number, *transition);
   if (transition->needs_no_start()) return task;
   try {
-    const ConfigurationSummary& start = impl_->starts.at(transition->start);
+    const ConfigurationSummary& start =
+        impl_->starts.at({transition->start, transition->start_level});
     task.start = load(start);
     task.kept = kept(start);
   } catch (...) {
@@ -214,9 +238,9 @@ bool FollowSession::accept(const ExplorerResult& result) {
   }
   if (found.usable()) {
     impl_->record->keep(impl_->job.setup.key(), found, {});
-    impl_->starts.emplace(found.check_point, found);
-    impl_->failed.erase(found.check_point);
-  } else {
+    impl_->starts.emplace(std::pair(found.check_point, found.level), found);
+    if (found.level == 0) impl_->failed.erase(found.check_point);
+  } else if (found.level == 0) {
     ConfigurationSummary& failed = impl_->failed[found.check_point];
     const std::int32_t iterations = failed.iterations;
     const double seconds = failed.seconds;
@@ -235,7 +259,7 @@ bool FollowSession::accept(const ExplorerResult& result) {
 void FollowSession::lose(std::int64_t task) {
   const auto lost = impl_->tasks.find(task);
   if (lost == impl_->tasks.end()) return;
-  impl_->strategy->lose(lost->second.target);
+  impl_->strategy->lose(lost->second);
   impl_->has_nothing_left = false;
   impl_->tasks.erase(lost);
 }

@@ -32,14 +32,25 @@ FollowTool::FollowTool(const ToolSpaceSetup& setup, std::shared_ptr<const ToolCl
       touchable_(std::move(touchable)),
       options_(std::move(options)),
       cells_(*clearance_, setup_.grid, touchable_, options_),
-      halvings_(setup_.grid.reach()) {}
+      halvings_(setup_.grid.reach()),
+      levels_(setup_) {}
 
-void FollowTool::recall(const ConfigurationSummary& found) { take_in(found); }
+void FollowTool::recall(const ConfigurationSummary& found) {
+  if (found.level == 0) return take_in(found);
+  if (setup_.policy.history != History::flat) levels_.recall(found);
+}
+
+void FollowTool::recall(const LevelTransition& transition) {
+  if (setup_.policy.history != History::flat) levels_.recall(transition);
+}
 
 void FollowTool::follow(const HandPrediction& hand) {
   hand_ = hand;
   const double way = (hand.hand().place - planned_at_).norm();
-  is_current_ = is_current_ && way < kStaysWithin * cells_.side();
+  const bool stays = way < kStaysWithin * cells_.side();
+  if (!stays) levels_.leave();
+  if (!stays) has_levels_ = LevelsIn::nowhere;
+  is_current_ = is_current_ && stays;
   plan_coarse();
 }
 
@@ -47,18 +58,25 @@ std::optional<Transition> FollowTool::next() {
   for (const bool may_wait : {true, false}) {
     if (auto first = take_first(coarse_, may_wait)) return first;
   }
+  if (auto first = next_between_levels(LevelsIn::near)) return first;
   if (is_current_) {
     if (auto first = take_first(fine_, true)) return first;
     if (auto first = take_first(around_, true)) return first;
-    if (!has_found_) return std::nullopt;
+    if (!has_found_) return next_between_levels(LevelsIn::everywhere);
   }
   plan_fine();
   plan_around();
   if (auto first = take_first(fine_, true)) return first;
-  return take_first(around_, true);
+  if (auto first = take_first(around_, true)) return first;
+  return next_between_levels(LevelsIn::everywhere);
 }
 
 void FollowTool::accept(const ConfigurationSummary& found) {
+  if (found.level < 0) {
+    levels_.accept(found);
+    has_levels_ = LevelsIn::nowhere;
+    return;
+  }
   const CheckPoint& p = found.check_point;
   Target& target = this->target(p);
   target.is_under_way = false;
@@ -68,7 +86,14 @@ void FollowTool::accept(const ConfigurationSummary& found) {
   if (tried != target.starts.end()) target.starts.erase(tried);
 }
 
-void FollowTool::lose(const CheckPoint& target) { this->target(target).is_under_way = false; }
+void FollowTool::lose(const Transition& transition) {
+  if (transition.finds_candidate) {
+    levels_.lose(transition);
+    has_levels_ = LevelsIn::nowhere;
+    return;
+  }
+  target(transition.target).is_under_way = false;
+}
 
 std::vector<CheckPoint> FollowTool::given_up() { return std::exchange(given_up_, {}); }
 
@@ -171,6 +196,34 @@ void FollowTool::plan_around() {
   std::sort(around_.begin(), around_.end());
 }
 
+std::optional<Transition> FollowTool::next_between_levels(LevelsIn where) {
+  if (setup_.policy.history == History::flat || !hand_) return std::nullopt;
+  if (auto first = levels_.next()) return first;
+  if (has_levels_ >= where || !levels_.is_round_complete()) return std::nullopt;
+  has_levels_ = where;
+  const auto around_hand = [&](int cells) {
+    const Eigen::AlignedBox3d box = hand_->box();
+    const Vec3 margin = Vec3::Constant(cells * cells_.side());
+    return Eigen::AlignedBox3d(Vec3(box.min() - margin), Vec3(box.max() + margin));
+  };
+  const Eigen::AlignedBox3d searched = around_hand(1);
+  const Eigen::AlignedBox3d looked_at = around_hand(kAsideOfCell);
+  const auto is_in = [&](const Eigen::AlignedBox3d& box, const CheckPoint& p) {
+    return where == LevelsIn::everywhere || box.contains(setup_.grid.place(p));
+  };
+  std::vector<ConfigurationSummary> all;
+  std::vector<ConfigurationSummary> near;
+  for (const auto& [p, c] : known_) {
+    // Where no start has led, there is nothing to be found.
+    if (!c.usable() && (c.flags & flags::beyond_force_limit) != 0) continue;
+    all.push_back(c);
+    if (is_in(looked_at, p)) near.push_back(c);
+  }
+  levels_.plan(all, near, hand_->hand().place,
+               [&](const CheckPoint& p) { return is_in(searched, p); });
+  return levels_.next();
+}
+
 void FollowTool::add_to_border(const CheckPoint& middle) {
   for (int n = 0; n < num_neighbours; ++n) {
     const CheckPoint numbers = neighbour(middle, n);
@@ -249,6 +302,7 @@ void FollowTool::give_up(const CheckPoint& p) {
   given_up_.push_back(p);
   ConfigurationSummary none;
   none.check_point = p;
+  if (targets_.at(p).is_beyond_limit) none.flags |= flags::beyond_force_limit;
   take_in(none);
 }
 
@@ -256,6 +310,7 @@ void FollowTool::take_in(const ConfigurationSummary& found) {
   const CheckPoint& p = found.check_point;
   known_[p] = found;
   has_found_ = true;
+  has_levels_ = LevelsIn::nowhere;
   for (const CheckPoint& numbers : cells_.around(p)) {
     if (!is_complete(numbers)) continue;
     border_.erase(numbers);

@@ -16,6 +16,10 @@
 // touches nothing, if nothing else is to be done. So which start is taken depends on when others
 // were found; the equilibrium does not, where there is one.
 //
+// Where the forces do not fit each other, the levels of the space are searched for in the cells
+// that the hand may be in (levels_around.h), after the coarse cells and before finer ones, and
+// elsewhere when there is nothing else to be done.
+//
 // The same motions, results and questions, in the same order, give the same transitions.
 #pragma once
 
@@ -30,6 +34,7 @@
 #include "exploration/halving_history.h"
 #include "exploration/shell_cells.h"
 #include "following/hand_prediction.h"
+#include "following/levels_around.h"
 
 namespace palpate {
 
@@ -44,6 +49,7 @@ class FollowTool {
 
   /// Takes in a configuration of an earlier run.
   void recall(const ConfigurationSummary& found);
+  void recall(const LevelTransition& transition);
   /// Says where the hand may be from now on.
   void follow(const HandPrediction& hand);
   /// The transition that is needed first. Until its result comes, it is under way.
@@ -56,9 +62,12 @@ class FollowTool {
   void accept(const ConfigurationSummary& found);
   /// Says that a transition that is under way has no result, since its solver is lost. It is made
   /// again.
-  void lose(const CheckPoint& target);
+  void lose(const Transition& transition);
   /// The targets that were given up since the last call: no start is left that may lead there.
   [[nodiscard]] std::vector<CheckPoint> given_up();
+  /// The results of transitions between levels since the last call. They come before any transition
+  /// that starts from what they have found.
+  [[nodiscard]] std::vector<Settlement> settled() { return levels_.settled(); }
 
   /// How much of what the hand may need is known.
   struct Coverage {
@@ -90,6 +99,9 @@ class FollowTool {
     bool operator<(const Due& other) const;
   };
 
+  /// Where levels are searched for. What is known everywhere is known near the hand.
+  enum class LevelsIn { nowhere, near, everywhere };
+
   /// A root cell of the shell that the hand may be in, and the least time until it is.
   struct Needed {
     CheckPoint numbers{};
@@ -103,6 +115,9 @@ class FollowTool {
   void plan_coarse();
   void plan_fine();
   void plan_around();
+  /// The transition between levels that comes first; nothing: there is none, or its round is not
+  /// complete.
+  [[nodiscard]] std::optional<Transition> next_between_levels(LevelsIn where);
   /// Adds the corners of a root cell that are not known.
   void add_corners(const CheckPoint& numbers, double need, std::vector<Due>& due);
   /// Adds the cells around a root cell that are not complete to the border.
@@ -132,6 +147,9 @@ class FollowTool {
   /// Root cells of the shell beside complete ones, or nearest to the hand, that are not complete.
   std::set<CheckPoint> border_;
   HalvingHistory halvings_;
+  LevelsAround levels_;
+  /// Where levels_ was planned for the present hand and for what is known now.
+  LevelsIn has_levels_ = LevelsIn::nowhere;
   /// What is due, in its order.
   std::vector<Due> coarse_;
   std::vector<Due> fine_;

@@ -2,6 +2,7 @@
 #include "interpolation/tool_force.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "base/error.h"
@@ -12,6 +13,15 @@ namespace {
 /// How far beside a cell its continuation goes over into what the configurations around say, in
 /// sides of the cell.
 constexpr double kGoesOver = 0.5;
+
+/// The configurations of level 0.
+std::vector<ConfigurationSummary> flat_part(const TouchToolSpace& tool_space) {
+  std::vector<ConfigurationSummary> flat;
+  std::copy_if(tool_space.configurations.begin(), tool_space.configurations.end(),
+               std::back_inserter(flat),
+               [](const ConfigurationSummary& c) { return c.level == 0; });
+  return flat;
+}
 
 }  // namespace
 
@@ -51,8 +61,7 @@ ToolForce::ToolForce(const ToolForce& before, const std::vector<const TouchToolS
   };
   if (!weights_) {
     const TouchToolSpace& only = *tool_spaces.front();
-    const bool grows = before.branches_ == nullptr && only.setup.key() == grown;
-    take_only(only, grows ? known(grown).get() : nullptr, changed);
+    take_only(only, only.setup.key() == grown ? &before : nullptr, changed);
     return;
   }
   for (const TouchToolSpace* space : tool_spaces) {
@@ -66,28 +75,48 @@ ToolForce::ToolForce(const ToolForce& before, const std::vector<const TouchToolS
   }
 }
 
-void ToolForce::take_only(const TouchToolSpace& tool_space, const Interpolator* before,
+std::shared_ptr<const Interpolator> ToolForce::find_on_branch(
+    const std::vector<Member>& members, const std::vector<CheckPoint>& changed) const {
+  const auto same = std::find(members_.begin(), members_.end(), members);
+  if (same == members_.end()) return nullptr;
+  const bool is_changed = std::any_of(members.begin(), members.end(), [&](const Member& member) {
+    return std::find(changed.begin(), changed.end(), member.first) != changed.end();
+  });
+  if (is_changed) return nullptr;
+  const auto branch = static_cast<std::size_t>(same - members_.begin());
+  return branch == 0 ? parts_.front().force : on_further_branch_[branch - 1];
+}
+
+void ToolForce::take_only(const TouchToolSpace& tool_space, const ToolForce* before,
                           const std::vector<CheckPoint>& changed) {
   const ToolSpaceKey key = tool_space.setup.key();
+  const Interpolator* flat = before == nullptr ? nullptr : before->parts_.front().force.get();
   auto branches = std::make_shared<const SolutionBranches>(tool_space);
-  if (branches->size() == 1) {
-    parts_.push_back({key, make_interpolator(method_, tool_space, options_, before, changed)});
+  const bool has_levels =
+      std::any_of(tool_space.configurations.begin(), tool_space.configurations.end(),
+                  [](const ConfigurationSummary& c) { return c.level != 0; });
+  if (!has_levels) {
+    parts_.push_back({key, make_interpolator(method_, tool_space, options_, flat, changed)});
   } else {
-    branches_ = std::move(branches);
-    for (int branch = 0; branch < branches_->size(); ++branch) {
-      const TouchToolSpace part = on_branch(tool_space, *branches_, branch);
-      IsFlat& is_flat = is_flat_.emplace_back();
-      for (const ConfigurationSummary& c : part.configurations) is_flat.push_back(c.level == 0);
-      std::shared_ptr<const Interpolator> force = make_interpolator(method_, part, options_);
-      if (branch == 0) {
-        parts_.push_back({key, std::move(force)});
-      } else {
-        on_further_branch_.push_back(std::move(force));
+    for (int branch = 0; branch < branches->size(); ++branch) {
+      const TouchToolSpace part = on_branch(tool_space, *branches, branch);
+      std::vector<Member>& members = members_.emplace_back();
+      for (const ConfigurationSummary& c : part.configurations) {
+        members.emplace_back(c.check_point, c.level);
       }
+      // The first branch has all configurations of level 0, and loses none.
+      if (branch == 0) {
+        parts_.push_back({key, make_interpolator(method_, part, options_, flat, changed)});
+        continue;
+      }
+      auto force = before == nullptr ? nullptr : before->find_on_branch(members, changed);
+      if (force == nullptr) force = make_interpolator(method_, part, options_);
+      on_further_branch_.push_back(std::move(force));
     }
+    if (branches->size() > 1) branches_ = std::move(branches);
   }
   if (!(options_.reach_of_states > 0)) return;
-  near_ = std::make_shared<const NearStates>(tool_space.configurations, options_.reach_of_states);
+  near_ = std::make_shared<const NearStates>(flat_part(tool_space), options_.reach_of_states);
 }
 
 int ToolForce::branch_from_outside(const Vec3& x) const {
@@ -100,7 +129,7 @@ int ToolForce::branch_from_outside(const Vec3& x) const {
     if (here.place != CheckPointGrid::Place::cell || !grid.is_complete(here.leaf)) continue;
     int flat = 0;
     for (const std::int32_t node : grid.leaf(here.leaf).corners) {
-      flat += is_flat_[branch][grid.configuration(node)];
+      flat += members_[branch][grid.configuration(node)].second == 0 ? 1 : 0;
     }
     if (flat <= most) continue;
     most = flat;

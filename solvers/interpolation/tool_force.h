@@ -20,8 +20,10 @@
 // configurations around (near_states.h). Within half a cell beside a cell it goes over into that.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "interpolation/interpolator.h"
@@ -115,8 +117,15 @@ class ToolForce {
 
  private:
   /// Makes the force of a space that is for the whole organ.
-  void take_only(const TouchToolSpace& tool_space, const Interpolator* before,
+  /// @param before The force before the space has grown; null: there is none.
+  void take_only(const TouchToolSpace& tool_space, const ToolForce* before,
                  const std::vector<CheckPoint>& changed);
+  /// A configuration of a branch, by its check-point and level.
+  using Member = std::pair<CheckPoint, std::int32_t>;
+  /// The force on the further branch that has the same configurations; null: there is none, or some
+  /// of them have changed.
+  [[nodiscard]] std::shared_ptr<const Interpolator> find_on_branch(
+      const std::vector<Member>& members, const std::vector<CheckPoint>& changed) const;
   /// The force where there is one tool space.
   [[nodiscard]] TouchResult evaluate_only(const Vec3& x, const OnBranch& branch) const noexcept;
 
@@ -157,9 +166,6 @@ class ToolForce {
     }
   }
 
-  /// Of a configuration on a branch, whether it is of level 0.
-  using IsFlat = std::vector<char>;
-
   Method method_;
   InterpolationOptions options_;
   /// In the order of the tool spaces.
@@ -170,8 +176,8 @@ class ToolForce {
   /// null: there is one branch.
   std::shared_ptr<const SolutionBranches> branches_;
   std::vector<std::shared_ptr<const Interpolator>> on_further_branch_;
-  /// For each branch.
-  std::vector<IsFlat> is_flat_;
+  /// Of each branch, if there are levels, in the order of its configurations.
+  std::vector<std::vector<Member>> members_;
 };
 
 /// The weights of tool spaces of a rigid tool; nothing where there is one, for the whole organ.

@@ -10,6 +10,8 @@ FollowedRow simulate_following(const RecordedSpace& space, const HandOptions& op
                                int cores) {
   ToolSpaceSetup setup = space.setup();
   setup.policy.tolerance = 0;
+  // What a transition between levels takes is not recorded.
+  setup.policy.history = History::flat;
   const ShellOptions shell = space.options().contact->shell;
   const std::vector<char>& touchable = space.body().scene->body.touchable;
   FollowTool strategy(setup, space.clearance(), touchable, shell);

@@ -210,7 +210,7 @@ TEST_F(FollowToolTest, WhatALostSolverWasMakingIsMadeAgain) {
   const std::optional<Transition> second = strategy_->next();
   ASSERT_TRUE(second);
   EXPECT_NE(second->target, first->target);
-  strategy_->lose(first->target);
+  strategy_->lose(*first);
   const std::optional<Transition> again = strategy_->next();
   ASSERT_TRUE(again);
   EXPECT_EQ(again->target, first->target);
