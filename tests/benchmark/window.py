@@ -2,20 +2,22 @@
 """Frames a second of ParaView's window and the pace of the servo loop, in one run: the example's
 liver is pressed by the simulated hand, while nothing else is drawn. Sample run:
 
-  plugins=$(echo build/lib/paraview-*/plugins)
+  plugins=$(echo $PWD/build/lib/paraview-*/plugins)
   PALPATE_SOURCE_DIR=$PWD PV_PLUGIN_PATH=$plugins/Palpate:$plugins/PalpateInteractor \\
     xvfb-run -a -s "-noreset -screen 0 1280x1024x24" \\
     paraview --disable-registry --script tests/benchmark/window.py
 
 Prints a row of a table for the dock without its graph, and one with it: frames a second (mean and
 least of the seconds), ticks a second, how late they began (half, 99 %, all, µs), and the share of a
-core that ParaView's process took. The last row is the floor: how often ParaView draws the same view
-in the same window, as fast as it can, with no loop beside it and nothing that moves.
+core that ParaView's process took. Then comes the floor: how often ParaView draws the same view in
+the same window, as fast as it can, with no loop beside it and nothing that moves. The last row is of
+a space that is explored around the hand meanwhile, from the beginning.
 """
 
 import os
 import re
 import sys
+import tempfile
 import time
 import traceback
 
@@ -65,17 +67,27 @@ def measure_floor():
     print(f"| floor | {frames / seconds:.1f} | | | | | {share:.2f} |", flush=True)
 
 
+def load(example, state):
+    liver = os.path.join(source, "examples", "liver")
+    LoadState(os.path.join(source, "examples", example, state), data_directory=liver)
+    wait(1)
+
+
 def main():
     try:
-        liver = os.path.join(source, "examples", "liver")
-        LoadState(os.path.join(liver, "liver.pvsm"), data_directory=liver)
-        wait(1)
+        load("liver", "liver.pvsm")
         print("view", *GetActiveView().ViewSize)
         measure("dock")
         part("graph").setChecked(True)
         part("area").ensureWidgetVisible(part("forceGraph"))
         measure("with the graph")
         measure_floor()
+        part("graph").setChecked(False)
+        ResetSession()
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+            load("online", "online.pvsm")
+            measure("explored around the hand")
     except BaseException:
         traceback.print_exc()
     application.quit()
