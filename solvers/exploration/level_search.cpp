@@ -36,6 +36,15 @@ void LevelSearch::recall(const LevelTransition& transition) {
   recalled_[{transition.start, transition.start_level, transition.target}] = transition.reached;
 }
 
+void LevelSearch::know(const ConfigurationSummary& found) {
+  recall(found);
+  found_[found.check_point][found.level] = found;
+}
+
+void LevelSearch::know(const LevelTransition& transition) {
+  reached_[{transition.start, transition.start_level, transition.target}] = transition.reached;
+}
+
 void LevelSearch::accept(const ConfigurationSummary& found) {
   if (found.level < 0) --num_under_way_;
   recall(found);

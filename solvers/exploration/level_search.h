@@ -67,6 +67,10 @@ class LevelSearch {
   /// or what a transition has reached.
   void recall(const ConfigurationSummary& found);
   void recall(const LevelTransition& transition);
+  /// Takes in a level, or what a transition has reached, as found already. A search that goes on in
+  /// other rounds than those of an undisturbed run begins with all that is known.
+  void know(const ConfigurationSummary& found);
+  void know(const LevelTransition& transition);
   /// Takes in a configuration of the flat space, or the result of a transition of this search.
   void accept(const ConfigurationSummary& found);
   /// Has the transitions between two neighbours made, in both directions.

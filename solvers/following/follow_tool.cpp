@@ -206,7 +206,7 @@ std::optional<Transition> FollowTool::next_between_levels(LevelsIn where) {
     const Vec3 margin = Vec3::Constant(cells * cells_.side());
     return Eigen::AlignedBox3d(Vec3(box.min() - margin), Vec3(box.max() + margin));
   };
-  const Eigen::AlignedBox3d searched = around_hand(1);
+  if (where == LevelsIn::near) searched_ = around_hand(1);
   const Eigen::AlignedBox3d looked_at = around_hand(kAsideOfCell);
   const auto is_in = [&](const Eigen::AlignedBox3d& box, const CheckPoint& p) {
     return where == LevelsIn::everywhere || box.contains(setup_.grid.place(p));
@@ -220,7 +220,7 @@ std::optional<Transition> FollowTool::next_between_levels(LevelsIn where) {
     if (is_in(looked_at, p)) near.push_back(c);
   }
   levels_.plan(all, near, hand_->hand().place,
-               [&](const CheckPoint& p) { return is_in(searched, p); });
+               [&](const CheckPoint& p) { return is_in(searched_, p); });
   return levels_.next();
 }
 
@@ -310,7 +310,8 @@ void FollowTool::take_in(const ConfigurationSummary& found) {
   const CheckPoint& p = found.check_point;
   known_[p] = found;
   has_found_ = true;
-  has_levels_ = LevelsIn::nowhere;
+  const bool is_near = searched_.contains(setup_.grid.place(p));
+  has_levels_ = is_near ? LevelsIn::nowhere : std::min(has_levels_, LevelsIn::near);
   for (const CheckPoint& numbers : cells_.around(p)) {
     if (!is_complete(numbers)) continue;
     border_.erase(numbers);

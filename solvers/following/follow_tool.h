@@ -150,6 +150,8 @@ class FollowTool {
   LevelsAround levels_;
   /// Where levels_ was planned for the present hand and for what is known now.
   LevelsIn has_levels_ = LevelsIn::nowhere;
+  /// What is near the hand for them, m.
+  Eigen::AlignedBox3d searched_;
   /// What is due, in its order.
   std::vector<Due> coarse_;
   std::vector<Due> fine_;

@@ -20,9 +20,9 @@ void LevelsAround::plan(const std::vector<ConfigurationSummary>& flat,
                         const std::function<bool(const CheckPoint&)>& within) {
   LevelSearch search = begin_level_search(setup_, near, EdgeFit(flat), within);
   for (const auto& [p, levels] : levels_) {
-    for (const auto& [level, c] : levels) search.recall(c);
+    for (const auto& [level, c] : levels) search.know(c);
   }
-  for (const LevelTransition& transition : transitions_) search.recall(transition);
+  for (const LevelTransition& transition : transitions_) search.know(transition);
   for (const auto& [key, c] : candidates_) search.recall(c);
   const std::vector<Transition> round = search.next();
   for (const Settlement& settlement : search.settled()) take(settlement);

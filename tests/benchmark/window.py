@@ -8,10 +8,10 @@ liver is pressed by the simulated hand, while nothing else is drawn. Sample run:
     paraview --disable-registry --script tests/benchmark/window.py
 
 Prints a row of a table for the dock without its graph, and one with it: frames a second (mean and
-least of the seconds), ticks a second, how late they began (half, 99 %, all, µs), and the share of a
-core that ParaView's process took. Then comes the floor: how often ParaView draws the same view in
-the same window, as fast as it can, with no loop beside it and nothing that moves. The last row is of
-a space that is explored around the hand meanwhile, from the beginning.
+least of the seconds), ticks a second, how late they began (half, 99 %, all, µs), and the share of
+a core that ParaView's process took. Then comes the floor: how often ParaView draws the same view in
+the same window, as fast as it can, with no loop beside it and nothing that moves. The last row is
+of a space that is explored around the hand meanwhile, from the beginning.
 """
 
 import os

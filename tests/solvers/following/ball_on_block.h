@@ -18,6 +18,7 @@ struct BallOnBlock {
     options.contact->tool.radius = 0.015;
     options.contact->spacing = 0.012;
     options.contact->shell.depth = 0.006;
+    options.history = History::flat;
     // Of one material and without ridges, but for the edges of the block.
     options.contact->shell.region = [](const Vec3& place) { return place.x() > 0.08; };
   }
