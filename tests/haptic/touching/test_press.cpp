@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <random>
+#include <vector>
 
 #include "haptic/support/moved_tool.h"
 #include "haptic/support/pressed_body.h"
@@ -552,6 +554,37 @@ TEST(Press, StaysOnTheSideFromWhichItCame) {
       }
       EXPECT_EQ(contact.status, ContactStatus::free);
       EXPECT_EQ(contact.branches[0], 0);
+    }
+  }
+}
+
+TEST(Press, GoesOnWhereLevelsAreFoundMeanwhile) {
+  using test::TwoSides;
+  TouchSpace flat = test::box_space([](int) { return test::stiffening_spring(1000); });
+  TouchToolSpace two_sides = TwoSides::make();
+  std::vector<std::int32_t> of_level_0;
+  for (std::size_t i = 0; i < two_sides.configurations.size(); ++i) {
+    ConfigurationSummary& c = two_sides.configurations[i];
+    c.reached = ConfigurationSummary().reached;
+    if (c.level == 0) of_level_0.push_back(static_cast<std::int32_t>(i));
+  }
+  flat.tool_spaces.insert(flat.tool_spaces.begin(), restricted(two_sides, of_level_0));
+  const Touchable before(flat);
+  const auto body = two_sided_body();
+  EXPECT_EQ(before.force_on_tool()->num_branches(), 1);
+  EXPECT_GT(body->force_on_tool()->num_branches(), 1);
+  const auto at = [](double height) { return Vec3(3e-4, 2e-4, height * TwoSides::kSpacing); };
+  for (const int side : {1, -1}) {
+    for (const double least : {2.5, 1.1, -1.1, -2.5}) {
+      MovedTool tool;
+      Contact contact;
+      for (double height = 3.9; height > least; height -= 0.02) {
+        contact = tool.move(&before, at(height * side), {});
+      }
+      EXPECT_EQ(contact.status, ContactStatus::pressing);
+      const Contact grown = tool.move(body.get(), at(least * side), {});
+      EXPECT_EQ(grown.status, ContactStatus::pressing);
+      EXPECT_LT((grown.force - contact.force).norm(), 1e-3) << side << ' ' << least;
     }
   }
 }
