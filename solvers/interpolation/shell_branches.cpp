@@ -231,29 +231,27 @@ class ShellBuilder {
         const Branch& other = branches_[static_cast<std::size_t>(next[all.size()])];
         const bool goes_on = num_own > 0 && num_shared(own, other, cell) == num_own;
         const bool is_spanned = branches_at_.count(static_cast<std::int32_t>(l)) > 0;
-        const bool ends = num_own < 8 ? !(goes_on && is_spanned) : may_hide_end(own, cell);
+        const bool ends = num_own < 8 ? !(goes_on && is_spanned) : may_be_wrong(own, cell);
         all.push_back(ends ? 1 : 0);
       }
     }
     return all;
   }
 
-  /// Whether a branch that spans a cell may end within it for a part of it: there are several
-  /// levels at a corner, and the energy along an edge does not fit the forces.
-  [[nodiscard]] bool may_hide_end(const Branch& branch, const Cell& cell) const {
-    bool has_levels = false;
-    bool fits = true;
+  /// Whether the force of a branch that spans a cell may be wrong there: along an edge at one of
+  /// its corners the energy does not fit the forces. The branch may end for a part of the cell, or
+  /// the mixed derivatives at the corner are differences across its end.
+  [[nodiscard]] bool may_be_wrong(const Branch& branch, const Cell& cell) const {
     for (int corner = 0; corner < 8; ++corner) {
-      const CheckPoint p = corner_of(cell, corner);
-      has_levels = has_levels || list_at(p).size() > 1;
-      for (int bit = 1; bit < 8; bit *= 2) {
-        if ((corner & bit) != 0) continue;
-        const CheckPoint q = corner_of(cell, corner | bit);
-        fits =
-            fits && fit_.fits(all_[branch.at(p).configuration], all_[branch.at(q).configuration]);
+      const ConfigurationSummary& c = all_[branch.at(corner_of(cell, corner)).configuration];
+      for (const CheckPoint& q : edges_.neighbours(c.check_point)) {
+        const auto beside = branch.find(q);
+        if (beside != branch.end() && !fit_.fits(c, all_[beside->second.configuration])) {
+          return true;
+        }
       }
     }
-    return has_levels && !fits;
+    return false;
   }
 
   [[nodiscard]] std::vector<LeafOfBranch> parts() const {

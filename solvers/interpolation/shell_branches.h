@@ -48,8 +48,7 @@ struct ShellBranches {
   std::vector<std::int16_t> next;
   /// For the same, whether the branch may end within the leaf [leaves × branches]: it does not span
   /// the leaf, and not all that it has there is on the next one, so that the body may be on it
-  /// still; or it spans the leaf, but there are several levels, and the energy along an edge does
-  /// not fit the forces.
+  /// still; or it spans the leaf, but the energy along an edge at a corner does not fit the forces.
   std::vector<char> ends;
   /// Where a branch has anything at the corners of a leaf, in the order of operator<.
   std::vector<LeafOfBranch> parts;

@@ -5,6 +5,7 @@
 //   OPENBLAS_NUM_THREADS=1 mpiexec -n 2 palpate_benchmark_contact_space scene.palpate
 //     [--radius 10] [--depth 8] [--spacing 4] [--tolerance 0] [--tests 2000] [--file space.palpate]
 //     [--method 4] [--node 0] [--region 0] [--single 1] [--newton 0] [--thickness 0] [--levels 1]
+//     [--seconds 0]
 //
 // Lengths in mm, the tolerance as a share of the largest force; where a region is given, the space
 // is of the surface within that distance of a point of the mesh; the layer of contact is the one
@@ -17,8 +18,9 @@
 // largest of these, and there is a file, the table of the largest errors says why: on which branch
 // the body is then depends on the way, if the equilibrium that is reached from the nearest
 // check-point has another force; "told" is what the estimate of the cell knew of. With levels the
-// body stays on the branch on which the press or the slide comes (tool_force.h); without, the space
-// has one configuration at each check-point.
+// body stays on the branch on which the press or the slide comes (tool_force.h), and the same tests
+// are made in the flat part of the space; without, the space has one configuration at each
+// check-point. With --seconds an exploration ends after that time, and what there is is tested.
 //
 // With --newton the transitions to so many configurations of the file are made by Newton's method
 // too, a factorisation at each iterate. Prints Markdown tables.
@@ -63,9 +65,9 @@ namespace fs = std::filesystem;
 struct Arguments {
   fs::path scene;
   std::map<std::string, std::string> values{
-      {"radius", "10"}, {"depth", "8"},  {"spacing", "4"},  {"tolerance", "0"}, {"tests", "2000"},
-      {"file", ""},     {"method", "4"}, {"node", "0"},     {"region", "0"},    {"single", "1"},
-      {"newton", "0"},  {"levels", "1"}, {"thickness", "0"}};
+      {"radius", "10"}, {"depth", "8"},  {"spacing", "4"},   {"tolerance", "0"}, {"tests", "2000"},
+      {"file", ""},     {"method", "4"}, {"node", "0"},      {"region", "0"},    {"single", "1"},
+      {"newton", "0"},  {"levels", "1"}, {"thickness", "0"}, {"seconds", "0"}};
 
   Arguments(int argc, char** argv) {
     if (argc < 2 || argc % 2 != 0)
@@ -201,6 +203,47 @@ void print_errors(const char* name, std::vector<double> errors, double largest) 
               at(0.95), at(0.99), at(1));
 }
 
+/// Feels the force at each test as a hand would that comes from outside, and goes on from a press
+/// to its slide.
+void feel(const ToolForce& force, const ToolClearance& clearance, std::vector<Test>& tests) {
+  Vec3 before = Vec3::Zero();
+  OnBranch branch;
+  for (Test& test : tests) {
+    if (!test.is_slide) {
+      before = clearance.start_for(test.place);
+      branch = {};
+    }
+    branch = force.move(branch, before, test.place);
+    before = test.place;
+    const TouchResult there = force.evaluate(test.place, branch);
+    test.interpolated = there.force;
+    test.support = there.support;
+  }
+}
+
+/// How many of the tests are marked, and how wrong the others are.
+void print_marks(const char* name, const std::vector<Test>& tests, double largest) {
+  int num_marked = 0;
+  int num_extrapolated = 0;
+  int num_unmarked = 0;
+  int above_1 = 0;
+  int above_2 = 0;
+  double most = 0;
+  for (const Test& test : tests) {
+    if (test.outcome != Outcome::converged) continue;
+    num_marked += test.support == Support::marked ? 1 : 0;
+    num_extrapolated += test.support == Support::extrapolated ? 1 : 0;
+    if (test.support != Support::inside && test.support != Support::none) continue;
+    const double share = test.error() / largest;
+    ++num_unmarked;
+    above_1 += share > 0.01 ? 1 : 0;
+    above_2 += share > 0.02 ? 1 : 0;
+    most = std::max(most, share);
+  }
+  std::printf("| %s | %d | %d | %d | %.2f | %d | %d |\n", name, num_unmarked, above_1, above_2,
+              100 * most, num_marked, num_extrapolated);
+}
+
 /// Newton's method with a factorisation at each iterate and a search along the step, from the
 /// predictor, and then v: what a configuration takes without factors that are kept.
 class PlainNewton {
@@ -309,6 +352,7 @@ void measure(const Arguments& arguments, Communicator& world) {
   options.file = arguments.values.at("file");
   ExplorationEstimate expected;
   options.expects = [&](const ExplorationEstimate& estimate) { expected = estimate; };
+  const double most_seconds = arguments.number("seconds");
   double last = 0;
   const Progress progress = [&](const ProgressState& state) {
     if (world.rank() == 0 && state.seconds > last + 20) {
@@ -316,7 +360,7 @@ void measure(const Arguments& arguments, Communicator& world) {
       std::fprintf(stderr, "%lld of %lld, %.0f s\n", static_cast<long long>(state.num_done),
                    static_cast<long long>(state.num_expected), state.seconds);
     }
-    return true;
+    return !(most_seconds > 0) || state.seconds < most_seconds;
   };
   const PrecomputeResult result = precompute(scene, options, world, progress);
   const PrecomputeReport& report = result.report;
@@ -415,21 +459,25 @@ void measure(const Arguments& arguments, Communicator& world) {
               space.configurations.size(), seconds_since(begin));
   const Estimates estimates(space);
   double largest = 0;
-  Vec3 before = Vec3::Zero();
-  OnBranch branch;
   for (Test& test : tests) {
-    if (!test.is_slide) {
-      before = clearance->start_for(test.place);
-      branch = {};
-    }
-    branch = force.move(branch, before, test.place);
-    before = test.place;
-    const TouchResult there = force.evaluate(test.place, branch);
-    test.interpolated = there.force;
-    test.support = there.support;
     test.estimate = estimates.at(test.place);
     if (test.outcome == Outcome::converged) largest = std::max(largest, test.exact.norm());
   }
+  std::printf(
+      "\n| | unmarked | above 1 %% | above 2 %% | largest, %% | marked | extrapolated |\n"
+      "|---|---|---|---|---|---|---|\n");
+  if (arguments.number("levels") != 0) {
+    std::vector<std::int32_t> flat;
+    for (std::size_t i = 0; i < space.configurations.size(); ++i) {
+      if (space.configurations[i].level == 0) flat.push_back(static_cast<std::int32_t>(i));
+    }
+    TouchToolSpace part = restricted(space, flat);
+    for (ConfigurationSummary& c : part.configurations) c.reached = ConfigurationSummary().reached;
+    feel(ToolForce({&part}, Method::energy_hermite), *clearance, tests);
+    print_marks("flat", tests, largest);
+  }
+  feel(force, *clearance, tests);
+  print_marks("this space", tests, largest);
   std::printf(
       "\nLargest force of a test %.4f N; errors in %% of it\n\n| tests | number | rms | median | "
       "95 %% | "
