@@ -5,7 +5,7 @@
 //   OPENBLAS_NUM_THREADS=1 mpiexec -n 2 palpate_benchmark_contact_space scene.palpate
 //     [--radius 10] [--depth 8] [--spacing 4] [--tolerance 0] [--tests 2000] [--file space.palpate]
 //     [--method 4] [--node 0] [--region 0] [--single 1] [--newton 0] [--thickness 0] [--levels 1]
-//     [--seconds 0]
+//     [--seconds 0] [--sides 0]
 //
 // Lengths in mm, the tolerance as a share of the largest force; where a region is given, the space
 // is of the surface within that distance of a point of the mesh; the layer of contact is the one
@@ -21,6 +21,10 @@
 // body stays on the branch on which the press or the slide comes (tool_force.h), and the same tests
 // are made in the flat part of the space; without, the space has one configuration at each
 // check-point. With --seconds an exploration ends after that time, and what there is is tested.
+//
+// With --sides so many places at which the body has several equilibria are pressed from both sides,
+// straight through the body along the normal, and what is felt is beside solves along the same
+// ways. Ways that leave the space are left out.
 //
 // With --newton the transitions to so many configurations of the file are made by Newton's method
 // too, a factorisation at each iterate. Prints Markdown tables.
@@ -67,7 +71,7 @@ struct Arguments {
   std::map<std::string, std::string> values{
       {"radius", "10"}, {"depth", "8"},  {"spacing", "4"},   {"tolerance", "0"}, {"tests", "2000"},
       {"file", ""},     {"method", "4"}, {"node", "0"},      {"region", "0"},    {"single", "1"},
-      {"newton", "0"},  {"levels", "1"}, {"thickness", "0"}, {"seconds", "0"}};
+      {"newton", "0"},  {"levels", "1"}, {"thickness", "0"}, {"seconds", "0"},   {"sides", "0"}};
 
   Arguments(int argc, char** argv) {
     if (argc < 2 || argc % 2 != 0)
@@ -242,6 +246,86 @@ void print_marks(const char* name, const std::vector<Test>& tests, double larges
   }
   std::printf("| %s | %d | %d | %d | %.2f | %d | %d |\n", name, num_unmarked, above_1, above_2,
               100 * most, num_marked, num_extrapolated);
+}
+
+/// Where a straight way through a place begins that comes from outside along a direction; nothing:
+/// it does not within half a hand's width.
+std::optional<Vec3> outside(const ToolClearance& clearance, const Vec3& place, const Vec3& along) {
+  constexpr double kStep = 5e-4;
+  for (double way = kStep; way < 0.05; way += kStep) {
+    const Vec3 x = place + way * along;
+    if (clearance.clearance(x) > 0) return Vec3(x + kStep * along);
+  }
+  return std::nullopt;
+}
+
+/// Presses places from both sides.
+void print_sides(const TouchToolSpace& space, const ToolForce& force,
+                 const ToolClearance& clearance, EquilibriumSolver& solver, double largest,
+                 int wanted) {
+  constexpr double kTick = 1e-4;
+  constexpr double kSolve = 1e-3;
+  const CheckPointGrid cells(space);
+  const double spacing = space.setup.grid.coarsest * space.setup.grid.spacing();
+  std::vector<Vec3> with_levels;
+  for (const ConfigurationSummary& c : space.configurations) {
+    if (c.level == 1) with_levels.push_back(c.t);
+  }
+  if (with_levels.empty()) return;
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> unit(-0.5, 0.5);
+  std::vector<double> errors;
+  int num_different = 0;
+  int num_marked = 0;
+  for (int tried = 0; tried < 100 * wanted && num_different < wanted; ++tried) {
+    const Vec3 aside(unit(random), unit(random), unit(random));
+    const Vec3 q = with_levels[random() % with_levels.size()] + spacing * aside;
+    if (clearance.clearance(q) > 0) continue;
+    const Vec3 out = clearance.approach(q).out;
+    std::vector<Vec3> exact;
+    std::vector<TouchResult> felt;
+    for (const double sign : {1.0, -1.0}) {
+      const std::optional<Vec3> from = outside(clearance, q, sign * out);
+      if (!from) break;
+      const Vec3 way = q - *from;
+      const int ticks = static_cast<int>(way.norm() / kTick) + 1;
+      OnBranch branch;
+      bool is_known = true;
+      for (int tick = 1; tick <= ticks && is_known; ++tick) {
+        const auto at = [&](int t) { return Vec3(*from + way * t / ticks); };
+        using Place = CheckPointGrid::Place;
+        const Place place = cells.locate(at(tick)).place;
+        is_known = place == Place::cell || place == Place::free;
+        branch = force.move(branch, at(tick - 1), at(tick));
+        if (force.evaluate(at(tick), branch).force.isZero(0)) branch = {};
+      }
+      if (!is_known) break;
+      const int solves = static_cast<int>(way.norm() / kSolve) + 1;
+      Equilibrium state = solver.rest(*from);
+      for (int i = 1; i <= solves && state.outcome == Outcome::converged; ++i) {
+        const Vec3 x = *from + way * i / solves;
+        state = clearance.clearance(x) > 0 ? solver.rest(x) : solver.solve(x, state);
+      }
+      if (state.outcome != Outcome::converged) break;
+      exact.emplace_back(state.reaction);
+      felt.push_back(force.evaluate(q, branch));
+    }
+    if (exact.size() < 2 || (exact[0] - exact[1]).norm() < 0.05 * largest) continue;
+    ++num_different;
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (felt[side].support == Support::marked) {
+        ++num_marked;
+      } else {
+        errors.push_back((felt[side].force - exact[side]).norm());
+      }
+    }
+  }
+  std::printf(
+      "\n%d places with two equilibria, from both sides; %d are marked\n\n"
+      "| | number | rms | median | 95 %% | 99 %% | largest |\n|---|---|---|---|---|---|---|\n",
+      num_different, num_marked);
+  print_errors("from both sides, unmarked", errors, largest);
+  std::fflush(stdout);
 }
 
 /// Newton's method with a factorisation at each iterate and a search along the step, from the
@@ -478,6 +562,8 @@ void measure(const Arguments& arguments, Communicator& world) {
   }
   feel(force, *clearance, tests);
   print_marks("this space", tests, largest);
+  const int num_sides = static_cast<int>(arguments.number("sides"));
+  if (num_sides > 0) print_sides(space, force, *clearance, solver, largest, num_sides);
   std::printf(
       "\nLargest force of a test %.4f N; errors in %% of it\n\n| tests | number | rms | median | "
       "95 %% | "
