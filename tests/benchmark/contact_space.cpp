@@ -5,7 +5,7 @@
 //   OPENBLAS_NUM_THREADS=1 mpiexec -n 2 palpate_benchmark_contact_space scene.palpate
 //     [--radius 10] [--depth 8] [--spacing 4] [--tolerance 0] [--tests 2000] [--file space.palpate]
 //     [--method 4] [--node 0] [--region 0] [--single 1] [--newton 0] [--thickness 0] [--levels 1]
-//     [--seconds 0] [--sides 0]
+//     [--seconds 0] [--sides 0] [--seed 2008]
 //
 // Lengths in mm, the tolerance as a share of the largest force; where a region is given, the space
 // is of the surface within that distance of a point of the mesh; the layer of contact is the one
@@ -69,9 +69,10 @@ namespace fs = std::filesystem;
 struct Arguments {
   fs::path scene;
   std::map<std::string, std::string> values{
-      {"radius", "10"}, {"depth", "8"},  {"spacing", "4"},   {"tolerance", "0"}, {"tests", "2000"},
-      {"file", ""},     {"method", "4"}, {"node", "0"},      {"region", "0"},    {"single", "1"},
-      {"newton", "0"},  {"levels", "1"}, {"thickness", "0"}, {"seconds", "0"},   {"sides", "0"}};
+      {"radius", "10"},   {"depth", "8"},   {"spacing", "4"}, {"tolerance", "0"},
+      {"tests", "2000"},  {"file", ""},     {"method", "4"},  {"node", "0"},
+      {"region", "0"},    {"single", "1"},  {"newton", "0"},  {"levels", "1"},
+      {"thickness", "0"}, {"seconds", "0"}, {"sides", "0"},   {"seed", "2008"}};
 
   Arguments(int argc, char** argv) {
     if (argc < 2 || argc % 2 != 0)
@@ -506,7 +507,8 @@ void measure(const Arguments& arguments, Communicator& world) {
   if (num_tests == 0) return;
   const double depth = options.contact->shell.depth;
   const SurfacePlaces places(scene.body, {});
-  const TestSet set{kContactToolSpace, tool.radius, depth, 2008};
+  const TestSet set{kContactToolSpace, tool.radius, depth,
+                    static_cast<unsigned>(arguments.number("seed"))};
   std::vector<Test> tests;
   for (int i = 0; i < num_tests / 2; ++i) {
     if (i % world.size() != world.rank()) continue;
