@@ -38,8 +38,7 @@ Touchable::Touchable(const Touchable& before, const TouchSpace& space, const Spa
     : Touchable(before) {
   for (const ToolSpaceChunk& part : chunk.tool_spaces) {
     take_stiffness(part.configurations);
-    std::vector<CheckPoint> changed;
-    for (const ConfigurationSummary& c : part.configurations) changed.push_back(c.check_point);
+    const std::vector<CheckPoint> changed = part.check_points();
     if (part.setup.presses()) {
       take_rigid(space, part.setup.key(), changed);
     } else {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <utility>
 
 #include "interpolation/leaf_edges.h"
 
@@ -28,27 +27,22 @@ CheckPoint moved(CheckPoint p, int axis, std::int32_t steps) {
 /// Finds the edges of a flat space that are suspected.
 class Suspects {
  public:
-  using Within = std::function<bool(const CheckPoint&)>;
-
   Suspects(const ToolSpaceSetup& setup, const LeafEdges& edges, LevelSearch& search,
-           const EdgeFit& fit, const Within& within)
-      : setup_(setup), edges_(edges), search_(search), fit_(fit), within_(within) {}
+           const EdgeFit& fit)
+      : setup_(setup), edges_(edges), search_(search), fit_(fit) {}
 
   void find() {
     const bool all = setup_.policy.history == History::levels;
     edges_.for_each([&](const CheckPoint& p, int axis, std::int32_t steps) {
-      if (all || is_across(p, axis, steps)) suspect(p, moved(p, axis, steps));
+      if (all || is_across(p, axis, steps)) search_.suspect(p, moved(p, axis, steps));
     });
     for (const auto& [p, levels] : search_.found()) {
       if (!has_jumped(levels.begin()->second)) continue;
-      for (const CheckPoint& q : edges_.neighbours(p)) suspect(p, q);
+      for (const CheckPoint& q : edges_.neighbours(p)) search_.suspect(p, q);
     }
   }
 
  private:
-  void suspect(const CheckPoint& p, const CheckPoint& q) {
-    if (!within_ || (within_(p) && within_(q))) search_.suspect(p, q);
-  }
   /// Whether the way to a configuration was not smooth, or has not led there.
   [[nodiscard]] static bool has_jumped(const ConfigurationSummary& c) {
     if (!c.usable()) return true;
@@ -80,7 +74,6 @@ class Suspects {
   const LeafEdges& edges_;
   LevelSearch& search_;
   const EdgeFit& fit_;
-  const Within& within_;
 };
 
 }  // namespace
@@ -88,26 +81,15 @@ class Suspects {
 LevelSearch begin_level_search(const ToolSpaceSetup& setup,
                                const std::vector<ConfigurationSummary>& flat, const EdgeFit& fit,
                                const std::function<bool(const CheckPoint&)>& within) {
-  const auto edges = std::make_shared<const LeafEdges>(CellTree(setup.grid, flat));
+  const auto edges = std::make_shared<const LeafEdges>(CellTree(setup.grid, flat), within);
   const double side = setup.grid.coarsest * setup.grid.spacing();
-  const auto neighbours = [edges, within](const CheckPoint& p) {
-    std::vector<CheckPoint> all;
-    if (within && !within(p)) return all;
-    all = edges->neighbours(p);
-    if (within) {
-      all.erase(
-          std::remove_if(all.begin(), all.end(), [&](const CheckPoint& q) { return !within(q); }),
-          all.end());
-    }
-    return all;
-  };
-  LevelSearch search({neighbours, [side](const ConfigurationSummary& /*found*/) { return side; },
-                      side,
+  LevelSearch search({[edges](const CheckPoint& p) { return edges->neighbours(p); },
+                      [side](const ConfigurationSummary& /*found*/) { return side; }, side,
                       [fit](const ConfigurationSummary& a, const ConfigurationSummary& b) {
                         return fit.fits(a, b);
                       }});
   for (const ConfigurationSummary& c : flat) search.accept(c);
-  Suspects(setup, *edges, search, fit, within).find();
+  Suspects(setup, *edges, search, fit).find();
   return search;
 }
 

@@ -29,6 +29,13 @@ struct ToolSpaceChunk {
   /// The fields of each configuration by the modes of all chunks up to this one. The configurations
   /// of a rigid tool, and those that are not usable, have none.
   std::vector<ReducedFields> fields;
+
+  /// Those of the configurations, in their order.
+  [[nodiscard]] std::vector<CheckPoint> check_points() const {
+    std::vector<CheckPoint> all;
+    for (const ConfigurationSummary& c : configurations) all.push_back(c.check_point);
+    return all;
+  }
 };
 
 struct SpaceChunk {

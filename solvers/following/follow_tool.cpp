@@ -48,8 +48,10 @@ void FollowTool::follow(const HandPrediction& hand) {
   hand_ = hand;
   const double way = (hand.hand().place - planned_at_).norm();
   const bool stays = way < kStaysWithin * cells_.side();
-  if (!stays) levels_.leave();
-  if (!stays) has_levels_ = LevelsIn::nowhere;
+  if (!stays) {
+    levels_.leave();
+    has_levels_ = LevelsIn::nowhere;
+  }
   is_current_ = is_current_ && stays;
   plan_coarse();
 }

@@ -3,8 +3,11 @@
 
 namespace palpate {
 
-LeafEdges::LeafEdges(const CellTree& tree) {
+LeafEdges::LeafEdges(const CellTree& tree, const std::function<bool(const CheckPoint&)>& within) {
   const auto add = [&](const CheckPoint& p, int direction, std::int32_t side) {
+    CheckPoint q = p;
+    q[static_cast<std::size_t>(direction / 2)] += direction % 2 == 0 ? side : -side;
+    if (within && !(within(p) && within(q))) return;
     std::int32_t& steps = steps_[p][static_cast<std::size_t>(direction)];
     if (steps == 0 || side < steps) steps = side;
   };

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -14,7 +15,9 @@ namespace palpate {
 /// The edges of the leaves of an octree, each divided at the check-points that lie on it.
 class LeafEdges {
  public:
-  explicit LeafEdges(const CellTree& tree);
+  /// @param within Only edges between such check-points; empty: all.
+  explicit LeafEdges(const CellTree& tree,
+                     const std::function<bool(const CheckPoint&)>& within = {});
 
   /// The other ends of the edges at a check-point.
   [[nodiscard]] std::vector<CheckPoint> neighbours(const CheckPoint& p) const;

@@ -90,12 +90,13 @@ std::shared_ptr<const Interpolator> ToolForce::find_on_branch(
 void ToolForce::take_only(const TouchToolSpace& tool_space, const ToolForce* before,
                           const std::vector<CheckPoint>& changed) {
   const ToolSpaceKey key = tool_space.setup.key();
-  const Interpolator* flat = before == nullptr ? nullptr : before->parts_.front().force.get();
   auto branches = std::make_shared<const SolutionBranches>(tool_space);
-  const bool has_levels =
-      std::any_of(tool_space.configurations.begin(), tool_space.configurations.end(),
-                  [](const ConfigurationSummary& c) { return c.level != 0; });
-  if (!has_levels) {
+  has_levels_ = std::any_of(tool_space.configurations.begin(), tool_space.configurations.end(),
+                            [](const ConfigurationSummary& c) { return c.level != 0; });
+  // When the first level is found, the flags of others change, see restricted().
+  const bool grows = before != nullptr && before->has_levels_ == has_levels_;
+  const Interpolator* flat = grows ? before->parts_.front().force.get() : nullptr;
+  if (!has_levels_ && branches->size() == 1) {
     parts_.push_back({key, make_interpolator(method_, tool_space, options_, flat, changed)});
   } else {
     for (int branch = 0; branch < branches->size(); ++branch) {
@@ -109,14 +110,17 @@ void ToolForce::take_only(const TouchToolSpace& tool_space, const ToolForce* bef
         parts_.push_back({key, make_interpolator(method_, part, options_, flat, changed)});
         continue;
       }
-      auto force = before == nullptr ? nullptr : before->find_on_branch(members, changed);
+      auto force = grows ? before->find_on_branch(members, changed) : nullptr;
       if (force == nullptr) force = make_interpolator(method_, part, options_);
       on_further_branch_.push_back(std::move(force));
     }
     if (branches->size() > 1) branches_ = std::move(branches);
   }
   if (!(options_.reach_of_states > 0)) return;
-  near_ = std::make_shared<const NearStates>(flat_part(tool_space), options_.reach_of_states);
+  near_ =
+      has_levels_
+          ? std::make_shared<const NearStates>(flat_part(tool_space), options_.reach_of_states)
+          : std::make_shared<const NearStates>(tool_space.configurations, options_.reach_of_states);
 }
 
 int ToolForce::branch_from_outside(const Vec3& x) const {

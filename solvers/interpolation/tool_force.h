@@ -176,7 +176,9 @@ class ToolForce {
   /// null: there is one branch.
   std::shared_ptr<const SolutionBranches> branches_;
   std::vector<std::shared_ptr<const Interpolator>> on_further_branch_;
-  /// Of each branch, if there are levels, in the order of its configurations.
+  /// Whether a space for the whole organ has configurations of levels above 0.
+  bool has_levels_ = false;
+  /// Of each branch, if there are levels or several branches, in the order of its configurations.
   std::vector<std::vector<Member>> members_;
 };
 

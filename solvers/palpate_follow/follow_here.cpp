@@ -49,9 +49,7 @@ class Felt {
       return;
     }
     for (const ToolSpaceChunk& part : chunk.tool_spaces) {
-      std::vector<CheckPoint> changed;
-      for (const ConfigurationSummary& c : part.configurations) changed.push_back(c.check_point);
-      force_ = std::make_unique<ToolForce>(*force_, rigid, part.setup.key(), changed);
+      force_ = std::make_unique<ToolForce>(*force_, rigid, part.setup.key(), part.check_points());
     }
   }
   void feel(const Vec3& place) {

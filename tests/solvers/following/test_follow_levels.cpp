@@ -37,11 +37,6 @@ class FollowLevels : public testing::Test {
       ASSERT_TRUE(session.accept(unpack_result(pack(explorer.make(unpack_task(pack(*task)))))));
     }
   }
-  [[nodiscard]] static std::vector<CheckPoint> changed_by(const ToolSpaceChunk& chunk) {
-    std::vector<CheckPoint> changed;
-    for (const ConfigurationSummary& c : chunk.configurations) changed.push_back(c.check_point);
-    return changed;
-  }
   /// Whether a force that has grown is that of the same space to the last bit.
   static void expect_same(const ToolForce& grown, const ToolForce& whole) {
     ASSERT_EQ(grown.num_branches(), whole.num_branches());
@@ -77,9 +72,9 @@ TEST_F(FollowLevels, FromEitherSideTheToolFeelsTheEquilibriumOfItsWay) {
       take(*chunk, space);
       const std::vector<const TouchToolSpace*> rigid = space.list_pressing();
       const ToolSpaceChunk& part = chunk->tool_spaces.front();
-      grown = grown == nullptr
-                  ? std::make_unique<ToolForce>(rigid, Method::energy_hermite)
-                  : std::make_unique<ToolForce>(*grown, rigid, part.setup.key(), changed_by(part));
+      grown = grown == nullptr ? std::make_unique<ToolForce>(rigid, Method::energy_hermite)
+                               : std::make_unique<ToolForce>(*grown, rigid, part.setup.key(),
+                                                             part.check_points());
     }
   } while (session->figures().num_solved > solved);
   EXPECT_TRUE(session->figures().is_complete);
@@ -94,11 +89,9 @@ TEST_F(FollowLevels, FromEitherSideTheToolFeelsTheEquilibriumOfItsWay) {
 TEST_F(FollowLevels, LevelsUnderTheHandComeBeforeTheRestOfTheSpace) {
   const auto session = begin();
   Explorer explorer(session->job());
-  int num_flat = 0;
   std::optional<ExplorerTask> task = session->next();
   for (; task && !task->transition.finds_candidate; task = session->next()) {
     ASSERT_TRUE(session->accept(explorer.make(*task)));
-    ++num_flat;
   }
   ASSERT_TRUE(task);
   const ToolSpaceSetup& setup = session->job().setup;
