@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <set>
+#include <vector>
 
 #include "interpolation/tool_force.h"
 #include "solvers/support/allocations.h"
@@ -132,6 +134,18 @@ TEST(ShellBranches, AfterTheNormalItIsTheFlatOne) {
     const TouchResult felt = force.evaluate(x, {force.branch_from_outside(x)});
     EXPECT_NEAR(felt.force.z(), TwoSides::force(x.z(), z > 0 ? 1 : -1), 1e-9) << z;
   }
+}
+
+TEST(ShellBranches, AreFeltWhereTransitionsHaveFoundNoFurtherLevel) {
+  const TouchToolSpace two_sides = TwoSides::make();
+  std::vector<std::int32_t> of_level_0;
+  for (std::size_t i = 0; i < two_sides.configurations.size(); ++i) {
+    if (two_sides.configurations[i].level == 0) of_level_0.push_back(static_cast<std::int32_t>(i));
+  }
+  const TouchToolSpace space = restricted(two_sides, of_level_0);
+  const SolutionBranches branches(space);
+  EXPECT_GT(branches.size(), 1);
+  EXPECT_EQ(ToolForce({&space}, Method::energy_hermite).num_branches(), branches.size());
 }
 
 }  // namespace
