@@ -19,17 +19,21 @@ constexpr double kLarger = 0.05;
 
 }  // namespace
 
+double large_force(std::vector<double> forces) {
+  if (forces.empty()) return 0;
+  const auto larger = static_cast<std::ptrdiff_t>(kLarger * static_cast<double>(forces.size()));
+  const auto large = forces.end() - 1 - larger;
+  std::nth_element(forces.begin(), large, forces.end());
+  return *large;
+}
+
 EdgeFit::EdgeFit(const std::vector<ConfigurationSummary>& configurations) {
   std::vector<double> forces;
   for (const ConfigurationSummary& c : configurations) {
     const bool touches = (c.flags & flags::touches_nothing) == 0;
     if (c.level == 0 && c.leads_on() && touches) forces.push_back(c.force.norm());
   }
-  if (forces.empty()) return;
-  const auto larger = static_cast<std::ptrdiff_t>(kLarger * static_cast<double>(forces.size()));
-  const auto large = forces.end() - 1 - larger;
-  std::nth_element(forces.begin(), large, forces.end());
-  large_force_ = *large;
+  large_force_ = large_force(std::move(forces));
 }
 
 double EdgeFit::energy_misfit(const ConfigurationSummary& a, const ConfigurationSummary& b) const {

@@ -15,10 +15,12 @@ namespace palpate {
 [[nodiscard]] double edge_residual(const ConfigurationSummary& a, const ConfigurationSummary& b,
                                    const Vec3& d);
 
+/// The force that a twentieth of some exceed, N: the largest of all may be that of a few places
+/// where the body cannot give way. 0: there is none.
+[[nodiscard]] double large_force(std::vector<double> forces);
+
 /// Whether the energy and the forces at the ends of an edge in a rigid tool's space fit each other,
-/// so that both ends may be on one smooth branch. Misfits are shares of a large force: one that a
-/// twentieth of those of level 0 exceed. The largest of all may be that of a few places where the
-/// body cannot give way.
+/// so that both ends may be on one smooth branch. Misfits are shares of a large force of level 0.
 class EdgeFit {
  public:
   explicit EdgeFit(const std::vector<ConfigurationSummary>& configurations);

@@ -99,8 +99,9 @@ class CellTree {
     std::vector<std::int32_t> nodes;
     /// The new number of each leaf of the earlier tree; −1: its root cell was built anew.
     std::vector<std::int32_t> leaves;
-    /// The nodes in or at the root cells that were built anew, ascending. At all other nodes the
-    /// leaves are as they were.
+    /// The nodes in or at the root cells that were built anew, ascending, and in a grid those that
+    /// are marking now and were not, or the other way round. At all other nodes the leaves are as
+    /// they were.
     std::vector<std::int32_t> nodes_anew;
   };
   /// Makes the tree of the same grid after configurations were added or changed. It has the same

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "base/quantity.h"
 #include "interpolation/branch_test.h"
+#include "interpolation/extrapolated_node.h"
 
 namespace palpate {
 namespace {
@@ -14,6 +16,14 @@ namespace {
 /// The largest distance of a configuration from its check-point, in spacings: a t that was rounded
 /// to single precision is off by 1e-7 of the half-width.
 constexpr double kOffCheckPoint = 1e-4;
+
+/// What K and T of a configuration add to the difference of the forces at the ends of an edge, at
+/// the most, N.
+double largest_change(const ConfigurationSummary& c, const Vec3& d) {
+  const double of_stiffness = 0.5 * (c.stiffness * d).norm();
+  if (!c.has_third_derivative()) return of_stiffness;
+  return std::max(of_stiffness, (times(c.third_derivative, d) * d).norm() / 12);
+}
 
 bool has_finite_data(const ConfigurationSummary& c) {
   return c.usable() && std::isfinite(c.energy) && c.force.allFinite() && c.stiffness.allFinite();
@@ -87,6 +97,13 @@ CheckPointGrid::CheckPointGrid(const CheckPointGrid& before, const TouchToolSpac
   is_empty_ = !any_usable_ && !(is_sparse_ && reach_ > 0);
   const Known known(*this, before, growth);
   classify(tool_space.setup.grid, tool_space.configurations, tool_space.clearance, &known);
+  // Whether a node is singular depends on the forces of all.
+  for (std::size_t n = 0; n < growth.nodes.size(); ++n) {
+    const std::int32_t now = growth.nodes[n];
+    const bool is_same = is_marking(now) == before.is_marking(static_cast<std::int32_t>(n));
+    if (!is_same && known.is_anew[now] == 0) growth.nodes_anew.push_back(now);
+  }
+  std::sort(growth.nodes_anew.begin(), growth.nodes_anew.end());
 }
 
 void CheckPointGrid::find_configurations(const std::vector<ConfigurationSummary>& configurations) {
@@ -120,6 +137,7 @@ void CheckPointGrid::classify(const Grid& grid,
                                   : find_free(n, configurations, clearance);
     free_.push_back(is_free ? 1 : 0);
   }
+  find_marking(configurations);
   classify_leaves(configurations, known);
   hanging_nodes_ = find_hanging_nodes(false, known);
   hanging_on_complete_ = find_hanging_nodes(true, known);
@@ -135,17 +153,42 @@ bool CheckPointGrid::find_free(std::int32_t node,
   return touches_nothing || (clearance && clearance(place(node)) > 0);
 }
 
+void CheckPointGrid::find_marking(const std::vector<ConfigurationSummary>& configurations) {
+  std::vector<double> forces;
+  for (std::int32_t n = 0; n < num_nodes(); ++n) {
+    if (!usable(n) || is_free(n)) continue;
+    forces.push_back(configurations[configuration_[n]].force.norm());
+  }
+  const double large = large_force(std::move(forces));
+  enum Fit : char { not_known, none, some };
+  std::vector<Fit> fits(static_cast<std::size_t>(num_nodes()), not_known);
+  for (const CellTree::Leaf& leaf : tree_.leaves()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const int step = 4 >> axis;
+      for (int corner = 0; corner < 8; ++corner) {
+        const std::int32_t n = leaf.corners[corner];
+        const std::int32_t other = leaf.corners[corner ^ step];
+        if (fits[n] == some || !usable(n) || !usable(other)) continue;
+        const ConfigurationSummary& c = configurations[configuration_[n]];
+        const double at_ends = c.force.norm() + configurations[configuration_[other]].force.norm();
+        const Vec3 d = leaf.cell.side * spacing_ * Vec3::Unit(axis);
+        fits[n] = largest_change(c, d) > at_ends + large ? none : some;
+      }
+    }
+  }
+  for (std::int32_t n = 0; n < num_nodes(); ++n) {
+    const bool has_flag = usable(n) && (configurations[configuration_[n]].flags & kMarking) != 0;
+    marking_.push_back(has_flag || fits[n] == none ? 1 : 0);
+  }
+}
+
 void CheckPointGrid::classify_leaves(const std::vector<ConfigurationSummary>& configurations,
                                      const Known* known) {
-  std::vector<char> marks(static_cast<std::size_t>(num_nodes()), 0);
-  for (std::int32_t n = 0; n < num_nodes(); ++n) {
-    if (usable(n)) marks[n] = (configurations[configuration_[n]].flags & kMarking) != 0 ? 1 : 0;
-  }
   for (const CellTree::Leaf& leaf : tree_.leaves()) {
     State state = State::complete;
     for (std::int32_t node : leaf.corners) {
       if (usable(node)) {
-        if (marks[node] != 0 && state == State::complete) state = State::marked;
+        if (is_marking(node) && state == State::complete) state = State::marked;
         continue;
       }
       has_extrapolated_nodes_ = true;

@@ -9,6 +9,10 @@
 // energy and all its derivatives are zero there. A leaf that is proved free (absent_cells.h) has
 // free corners, so that the interpolation is exactly zero in it, unless one of them hangs on a leaf
 // that is not free. Outside the box of a sparse grid the tool touches nothing.
+//
+// A node is singular if along each edge from it K or T changes the force by more than the forces at
+// the ends and a large force together: towards a singular tangent, whose least eigenvalue is λ,
+// they grow as 1/λ and 1/λ³, and tell nothing of the cells around.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +32,7 @@ enum class Support : int {
   inside = 1,
   /// Outside the box, in a cell that lacks a usable corner, or in no cell and not proved free.
   extrapolated = 2,
-  /// Inside, but a corner of the cell is inverted, unstable or near a fold.
+  /// Inside, but a corner of the cell is inverted, unstable, near a fold or singular.
   marked = 3,
 };
 
@@ -103,6 +107,8 @@ class CheckPointGrid {
   /// Index of a node's configuration in the tool space's list; −1: none is usable.
   [[nodiscard]] std::int32_t configuration(std::int32_t node) const { return configuration_[node]; }
   [[nodiscard]] bool usable(std::int32_t node) const { return configuration_[node] >= 0; }
+  /// Whether a node marks its leaves: its configuration has a flag of kMarking, or is singular.
+  [[nodiscard]] bool is_marking(std::int32_t node) const { return marking_[node] != 0; }
   /// Whether the tool touches nothing at a node and around it; the node may be usable or not.
   [[nodiscard]] bool is_free(std::int32_t node) const { return free_[node] != 0; }
   /// Whether the tool touches nothing anywhere in a leaf.
@@ -114,8 +120,7 @@ class CheckPointGrid {
     const auto& corners = tree_.leaves()[leaf].corners;
     return std::all_of(corners.begin(), corners.end(), [&](std::int32_t n) { return usable(n); });
   }
-  /// Whether a corner of a leaf is inverted, unstable or near a fold, or the leaf lies across
-  /// branches.
+  /// Whether a corner of a leaf is marking, or the leaf lies across branches.
   [[nodiscard]] bool is_marked(std::int32_t leaf) const {
     return states_[leaf] == State::marked || is_across(leaf);
   }
@@ -178,6 +183,7 @@ class CheckPointGrid {
   /// @param known What is known from before the grid has grown; null: nothing.
   void classify(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
                 const Clearance& clearance, const Known* known);
+  void find_marking(const std::vector<ConfigurationSummary>& configurations);
   void classify_leaves(const std::vector<ConfigurationSummary>& configurations, const Known* known);
   void find_free_leaves(const Grid& grid, const Clearance& clearance, const Known* known);
   [[nodiscard]] std::vector<HangingNode> find_hanging_nodes(bool on_complete,
@@ -201,6 +207,8 @@ class CheckPointGrid {
   std::vector<std::int32_t> configuration_;
   /// Whether each node is free.
   std::vector<char> free_;
+  /// Whether each node is marking.
+  std::vector<char> marking_;
   /// The state of each leaf.
   std::vector<State> states_;
   /// Whether the energy jumps within each leaf, see BranchTest::has_jump().

@@ -106,7 +106,7 @@ class Estimator {
       if (!has_configuration(node)) return false;
       const bool usable = grid_.usable(node);
       within_limit = within_limit || (usable && (at(node).flags & flags::beyond_force_limit) == 0);
-      good = good || (usable && (at(node).flags & kMarking) == 0);
+      good = good || (usable && !grid_.is_marking(node));
     }
     return within_limit && good;
   }

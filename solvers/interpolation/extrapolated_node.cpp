@@ -20,7 +20,7 @@ NodeData node_data(const CheckPointGrid& grid,
   // Where elements invert or a path folds, third derivatives say nothing about a node one spacing
   // away.
   const bool has_third =
-      with_third_derivatives && c.has_third_derivative() && (c.flags & kMarking) == 0;
+      with_third_derivatives && c.has_third_derivative() && !grid.is_marking(nearest);
   if (has_third) data.third_derivative = c.third_derivative;
   if (nearest == node) return data;
 

@@ -5,9 +5,9 @@
 //
 //   Π + h·Δ + ½ Δ·kΔ + ⅙ T(Δ,Δ,Δ),   h + kΔ + ½ T(Δ,Δ),   k + TΔ,   T
 //
-// T is used if it is known and asked for, and if the flags of the configuration do not mark it;
-// else it is 0. At a free node (check_point_grid.h) everything is 0. A node has the same data for
-// all leaves around it, so that the interpolation does not jump beside a hole.
+// T is used if it is known and asked for, and if the nearest node is not marking; else it is 0. At
+// a free node (check_point_grid.h) everything is 0. A node has the same data for all leaves around
+// it, so that the interpolation does not jump beside a hole.
 #pragma once
 
 #include <limits>

@@ -73,16 +73,12 @@ void fill_weights(const double* x, int n, int p, double* weights) {
 class StencilFinder {
  public:
   /// @param growth What has changed in a grid that has grown; null: all of it is new.
-  StencilFinder(const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,
-                const HermiteDataOptions& options, const CellTree::Growth* growth)
+  StencilFinder(const CheckPointGrid& grid, const HermiteDataOptions& options,
+                const CellTree::Growth* growth)
       : grid_(grid),
         links_(find_links(grid)),
         most_(options.most),
         fewer_in_short_rows_(options.fewer_in_short_rows) {
-    for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
-      marked_.push_back(grid.usable(n) &&
-                        (configurations[grid.configuration(n)].flags & kMarking) != 0);
-    }
     const char all = growth == nullptr ? 1 : 0;
     is_anew_.assign(static_cast<std::size_t>(grid.num_nodes()), all);
     is_leaf_anew_.assign(grid.tree().leaves().size(), 1);
@@ -110,7 +106,7 @@ class StencilFinder {
         n = links_[n][axis][up];
         ends_in_leaf[up] = n < 0;
         has_met_change_ = has_met_change_ || (n >= 0 && is_anew(n));
-        if (n < 0 || !grid_.usable(n) || (marked_[n] && !marked_[node])) break;
+        if (n < 0 || !grid_.usable(n) || (grid_.is_marking(n) && !grid_.is_marking(node))) break;
         row.add(up, n, grid_.tree().point(n)[axis] - origin[axis]);
       }
     }
@@ -207,8 +203,6 @@ class StencilFinder {
 
   const CheckPointGrid& grid_;
   const std::vector<Links> links_;
-  /// Whether the configuration of a node is marked, by node.
-  std::vector<bool> marked_;
   const int most_;
   const bool fewer_in_short_rows_;
   std::vector<Inserted> inserted_;
@@ -337,7 +331,7 @@ std::vector<HermiteNode> hermite_data(const CheckPointGrid& grid,
   if (memory != nullptr) *memory = {};
   if (!grid.any_usable()) return data;
   const auto first = data_before(num_nodes, before, before ? &before->memory.first : nullptr);
-  StencilFinder finder(grid, configurations, options, before ? &before->growth : nullptr);
+  StencilFinder finder(grid, options, before ? &before->growth : nullptr);
   std::vector<unsigned> changed(num_nodes, kAllTotals);
   std::vector<Incomplete> nodes;
   for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {

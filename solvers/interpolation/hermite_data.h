@@ -11,10 +11,10 @@
 // with differences of five nodes in a row along the axis: those for which the product of their
 // distances from the node is least. So a difference is central if it can be. It is one-sided at the
 // border of the box and beside a node without a usable configuration. It is one-sided beside a node
-// that is inverted, unstable or near a fold too, unless the node itself is one: the energy
-// behind such a node does not continue that before it. It goes across changes of the cells' size.
-// It has fewer nodes if fewer than five stand in a row. An axis along which the node stands alone
-// does not count; if no axis counts, the derivative is zero.
+// that is inverted, unstable, near a fold or singular too, unless the node itself is one: the
+// energy behind such a node does not continue that before it. It goes across changes of the cells'
+// size. It has fewer nodes if fewer than five stand in a row. An axis along which the node stands
+// alone does not count; if no axis counts, the derivative is zero.
 //
 // A row follows edges of leaves, and contains hanging nodes with their own configurations. If it
 // ends with fewer than five nodes at the side of a larger leaf, it is continued into that leaf by

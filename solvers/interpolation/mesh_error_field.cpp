@@ -65,7 +65,7 @@ MeshErrorField::MeshErrorField(const CheckPointGrid& grid,
   };
   for (const std::int32_t n : known) take(n, n);
   for (const std::int32_t n : unknown) {
-    corrects_ = corrects_ && (configurations[grid.configuration(n)].flags & kMarking) != 0;
+    corrects_ = corrects_ && grid.is_marking(n);
     take(n, nearest_known(grid, known, n));
   }
   const std::int32_t rest = grid.tree().find({0, 0, 0});

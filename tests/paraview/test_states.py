@@ -24,6 +24,9 @@ VOXEL = 8.0  # mm
 # are of: smaller than in the state, and the tool of the state still presses it. m
 REGION = {"brain": 0.004, "nodule": 0.003, "palpation": 0.006}
 EDGE = 0.05  # of the tetrahedra of the egg, m
+# Of the check-points of the egg, m: its large facets are felt one by one, and with the state's
+# spacing its cells are marked.
+SPACING = 0.006
 # What divides the body of such a state into tetrahedra, which take less time if they are linear.
 DIVIDES = {"brain": "TetrahedralizeLabelMap", "nodule": "TetrahedralizeSurface",
            "palpation": "TetrahedralizeSurface"}
@@ -61,6 +64,7 @@ def make_smaller(name):
         filter_of(DIVIDES[name]).ElementOrder = "Linear"
     if name == "brain":
         filter_of("TetrahedralizeLabelMap").ElementSize = EDGE
+        filter_of("PrecomputeStateSpace").Spacing = SPACING
     if name in ("two_hands", "wobble"):
         filter_of("BuildReducedModel").PathDuration = PATH_DURATION
     if name == "accuracy":

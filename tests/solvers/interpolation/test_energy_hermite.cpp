@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "interpolation/hermite_data.h"
 #include "interpolation/interpolator.h"
@@ -176,32 +177,55 @@ TEST(EnergyHermite, ReproducesTheMonomialsItShouldWithThirdDerivatives) {
   }
 }
 
+void spoil(TouchToolSpace& tool_space, const std::function<void(ConfigurationSummary&)>& one) {
+  for (ConfigurationSummary& c : tool_space.configurations) {
+    if (c.check_point[0] >= 2) one(c);
+  }
+}
+
+void expect_good_beside_marked(const TouchToolSpace& tool_space, const test::Energy& energy) {
+  const auto interpolator = hermite(tool_space);
+  test::RandomPoints points;
+  int num_inside = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 t = points();
+    const TouchResult touch = interpolator->evaluate(t);
+    EXPECT_EQ(touch.support, t[0] > kHalfWidth / 3 ? Support::marked : Support::inside);
+    if (touch.support != Support::inside) continue;
+    ++num_inside;
+    EXPECT_LE((touch.force - energy(t).force).norm(), 1e-11);
+  }
+  EXPECT_GT(num_inside, 200);
+}
+
 // What lies behind an inverted configuration, or one beyond a jump, is another matter: it must not
 // leak into the cells before it by the differences.
 TEST(EnergyHermite, CellsBeforeMarkedOnesAreAsGoodAsElsewhere) {
   const test::Energy energy = monomial(2, 2, 1);
   for (const Flags flag : {flags::inverted, flags::unstable, flags::near_fold}) {
     TouchToolSpace tool_space = analytic_space(energy, 7);
-    for (ConfigurationSummary& c : tool_space.configurations) {
-      if (c.check_point[0] < 2) continue;
+    spoil(tool_space, [&](ConfigurationSummary& c) {
       c.flags = flag;
       c.energy *= 3;
       c.force *= -2;
       c.stiffness *= 5;
-    }
-    const auto interpolator = hermite(tool_space);
-    test::RandomPoints points;
-    int num_inside = 0;
-    for (int i = 0; i < 500; ++i) {
-      const Vec3 t = points();
-      const TouchResult touch = interpolator->evaluate(t);
-      EXPECT_EQ(touch.support, t[0] > kHalfWidth / 3 ? Support::marked : Support::inside);
-      if (touch.support != Support::inside) continue;
-      ++num_inside;
-      EXPECT_LE((touch.force - energy(t).force).norm(), 1e-11);
-    }
-    EXPECT_GT(num_inside, 200);
+    });
+    expect_good_beside_marked(tool_space, energy);
   }
+}
+
+// Where the tangent is nearly singular, K and T are so large that they tell nothing of the cells
+// around, whether or not a path has jumped there.
+TEST(EnergyHermite, CellsBeforeSingularNodesAreAsGoodAsElsewhere) {
+  const test::Energy energy = monomial(2, 2, 1);
+  TouchToolSpace stiff = analytic_space(energy, 7);
+  spoil(stiff, [](ConfigurationSummary& c) { c.stiffness.setConstant(1e6); });
+  expect_good_beside_marked(stiff, energy);
+
+  TouchToolSpace bent = analytic_space(energy, 7);
+  add_third_derivatives(bent, monomial_third(2, 2, 1));
+  spoil(bent, [](ConfigurationSummary& c) { c.third_derivative.setConstant(-1e9); });
+  expect_good_beside_marked(bent, energy);
 }
 
 /// Root mean square of the force's error over that of the force.
