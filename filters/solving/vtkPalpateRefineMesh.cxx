@@ -21,7 +21,6 @@
 #include "discretisation/mesh_error_estimate.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/tangent_solver.h"
-#include "interaction/mesh_error.h"
 #include "interaction/rigid_tool.h"
 #include "interaction/tool_clearance.h"
 #include "mesh/refinement.h"
@@ -347,7 +346,7 @@ void vtkPalpateRefineMesh::WarnOf(const palpate::AdaptedMesh& adapted)
     text << (i == 0 ? "" : ", ");
     if (last.is_known[i] != 0)
     {
-      const double error = palpate::kMostOfEstimate * last.errors[i];
+      const double error = palpate::largest_error(last, i, false);
       text << "up to " << Percent(std::fmax(error, last.changes[i]));
     }
     else

@@ -11,7 +11,8 @@
  * those of the input, with their ids. Field arrays, a tuple a place:
  *
  *   `MeshError`       the estimated error of the force because of the size of the cells, as a share
- *                     of the force; the true one is up to palpate::kMostOfEstimate times as large
+ *                     of the force; the true one is up to 1.5 times as large, and up to twice where
+ *                     the estimate is not reliable
  *   `MeshErrorKnown`  1, or 0 where there was no equilibrium or the estimate is too large to be one
  *
  * Where all cells are divided (AllCells), nothing is solved for, and none of this is known.

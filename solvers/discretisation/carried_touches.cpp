@@ -63,6 +63,7 @@ TouchOnMesh CarriedTouches::tell(std::size_t touch, const Equilibrium* state,
   told.force = state->reaction;
   told.error = estimate.force;
   told.is_known = state->outcome == Outcome::converged && estimate.is_small;
+  told.is_reliable = estimate.is_reliable;
   told.energy_of_cells = std::move(estimate.energy_of_cells);
   if (told.is_known) {
     told.coarse_cells = coarse_cells(tool.pressed_surface(state->t, state->u), mesh);

@@ -50,17 +50,12 @@ double of_cell(const TouchOnMesh& touch, std::size_t cell) {
   return std::isfinite(energy) && energy > 0 ? energy : 0;
 }
 
-/// The largest error of a force as a share of its estimate.
-double factor(const AdaptationOptions& options) {
-  return options.is_corrected ? kMostOfCorrected : kMostOfEstimate;
-}
-
 /// Whether the error of a touch is within the tolerance.
 bool is_exact(const AdaptationRound& round, std::size_t touch, const AdaptationOptions& options) {
   // The first mesh has none before it.
   const bool has_changed = round.changes[touch] > options.tolerance;
   return round.is_known[touch] != 0 && !has_changed &&
-         factor(options) * round.errors[touch] <= options.tolerance;
+         largest_error(round, touch, options.is_corrected) <= options.tolerance;
 }
 /// Whether the mesh is not refined for a touch any further.
 bool is_done(const AdaptationRound& round, std::size_t touch, const AdaptationOptions& options) {
@@ -87,7 +82,7 @@ std::vector<char> choose_cells(const std::vector<TouchOnMesh>& touches,
     for (std::size_t c = 0; c < shares.size() && sum > 0; ++c) {
       shares[c] = std::max(shares[c], of_cell(touches[i], c) / sum);
     }
-    const double kept = options.tolerance / (factor(options) * round.errors[i]);
+    const double kept = options.tolerance / largest_error(round, i, options.is_corrected);
     const double needed = round.is_known[i] != 0 ? kShareForError * (1 - kept) : kLargestShare;
     wanted = std::clamp(needed, wanted, kLargestShare);
   }
@@ -145,6 +140,7 @@ AdaptationRound summary(const std::vector<TouchOnMesh>& touches,
             : kNaN);
     // A tool that feels nothing has found its way between the points of a coarse surface.
     round.is_known.push_back(touch.is_known && force > 0 ? 1 : 0);
+    round.is_reliable.push_back(touch.is_reliable ? 1 : 0);
     round.is_coarse.push_back(touch.coarse_cells.empty() ? 0 : 1);
   }
   return round;
@@ -157,6 +153,7 @@ void keep(const AdaptationRound& before, std::size_t touch, AdaptationRound& now
   now.errors[touch] = before.errors[touch];
   now.changes[touch] = before.changes[touch];
   now.is_known[touch] = before.is_known[touch];
+  now.is_reliable[touch] = before.is_reliable[touch];
   now.is_coarse[touch] = before.is_coarse[touch];
 }
 
@@ -214,6 +211,13 @@ void leave_unknown_meshes(const Scene& start, const AdaptationOptions& options,
 }
 
 }  // namespace
+
+double largest_error(const AdaptationRound& round, std::size_t touch, bool is_corrected) {
+  const bool is_reliable = round.is_reliable[touch] != 0;
+  const double of_corrected = is_reliable ? kMostOfCorrected : kMostOfUnreliableCorrected;
+  const double of_estimate = is_reliable ? kMostOfEstimate : kMostOfUnreliable;
+  return (is_corrected ? of_corrected : of_estimate) * round.errors[touch];
+}
 
 AdaptedMesh adapt_mesh(const Scene& scene, const AdaptationOptions& options,
                        const TouchMesh& touch) {

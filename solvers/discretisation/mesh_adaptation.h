@@ -23,6 +23,8 @@ struct TouchOnMesh {
   /// Whether there is an equilibrium and its error is small, so that it tells when the mesh is fine
   /// enough.
   bool is_known = true;
+  /// Whether the estimate may be trusted, see MeshErrorEstimate.
+  bool is_reliable = true;
   /// See MeshErrorEstimate [num_cells], J. Values that are not finite or not positive are not read.
   std::vector<double> energy_of_cells;
   /// The cells under the tool that are so large that energy_of_cells does not see all of their
@@ -54,14 +56,21 @@ struct AdaptationRound {
   /// By how much the force less its error differs from that on the mesh before, as a share; NaN for
   /// the first mesh, and where one of both is not known.
   std::vector<double> changes;
-  /// TouchOnMesh::is_known of each touch.
+  /// TouchOnMesh::is_known and is_reliable of each touch.
   std::vector<char> is_known;
+  std::vector<char> is_reliable;
   /// Whether a touch has cells that are divided in any case.
   std::vector<char> is_coarse;
   /// Whether a touch is given up, since its error was not known on several meshes, one after the
   /// other: where it was known on a coarser one, on two.
   std::vector<char> is_given_up;
 };
+
+/// The largest error of the force of a touch that its estimate allows, as a share of the force: see
+/// kMostOfEstimate and the like. NaN where it has no equilibrium.
+/// @param is_corrected See AdaptationOptions.
+[[nodiscard]] double largest_error(const AdaptationRound& round, std::size_t touch,
+                                   bool is_corrected);
 
 enum class AdaptationEnd : int {
   /// The error of all touches is within the tolerance.
@@ -103,8 +112,8 @@ struct MeshHints {
 /// @returns One entry for each touch; nothing to stop.
 using TouchMesh = std::function<std::vector<TouchOnMesh>(const Scene&, const MeshHints&)>;
 
-/// Refines until the largest error that an estimate allows (kMostOfEstimate, kMostOfCorrected) is
-/// within the tolerance, and no cell under the tool is too large for the estimate. The change from
+/// Refines until the largest error that an estimate allows is within the tolerance, and no cell
+/// under the tool is too large for the estimate. The change from
 /// the mesh before must be, too: it shows what the estimate does not see, such as the outline of a
 /// bonded patch.
 /// @param scene A scene that was checked.

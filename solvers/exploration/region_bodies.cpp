@@ -25,7 +25,6 @@
 #include "exploration/settle.h"
 #include "exploration/state_solver.h"
 #include "exploration/transfer.h"
-#include "interaction/mesh_error.h"
 #include "interpolation/region_weights.h"
 #include "storage/state_space_file.h"
 
@@ -362,7 +361,7 @@ double largest_error(const AdaptationRound& last, bool is_corrected) {
   double largest = 0;
   for (std::size_t i = 0; i < last.errors.size(); ++i) {
     if (last.is_known[i] == 0) continue;
-    const double most = (is_corrected ? kMostOfCorrected : kMostOfEstimate) * last.errors[i];
+    const double most = palpate::largest_error(last, i, is_corrected);
     largest = std::max(largest, std::fmax(most, last.changes[i]));
   }
   return largest;

@@ -51,6 +51,7 @@ std::vector<TouchOnMesh> press(const Scene& scene, const std::vector<Vec3>& plac
     touches.push_back({state.reaction,
                        estimate.force,
                        state.outcome == Outcome::converged && estimate.is_small,
+                       estimate.is_reliable,
                        estimate.energy_of_cells,
                        {}});
   }
@@ -126,6 +127,28 @@ TEST(MeshAdaptation, LeavesAMeshThatIsFineEnoughAsItIs) {
   EXPECT_EQ(adapted.end, AdaptationEnd::reached);
   EXPECT_TRUE(adapted.refinements.empty());
   EXPECT_EQ(hash(adapted.scene), hash(scene));
+}
+
+TEST(MeshAdaptation, AsksForMoreOfAnEstimateThatIsNotReliable) {
+  const Scene scene = make_pressed_block();
+  const auto is_refined = [&](double error, bool is_reliable, bool is_corrected) {
+    AdaptationOptions options;
+    options.tolerance = 0.05;
+    options.is_corrected = is_corrected;
+    options.max_cells = scene.body.mesh.num_cells();
+    const auto touch = [&](const Scene& on, const MeshHints& /*hints*/) {
+      TouchOnMesh told = made_up(on, error);
+      told.is_reliable = is_reliable;
+      return std::vector<TouchOnMesh>{told};
+    };
+    return adapt_mesh(scene, options, touch).end == AdaptationEnd::too_many_cells;
+  };
+  EXPECT_FALSE(is_refined(0.03, true, false));
+  EXPECT_TRUE(is_refined(0.03, false, false));
+  EXPECT_FALSE(is_refined(0.024, false, false));
+  EXPECT_FALSE(is_refined(0.06, true, true));
+  EXPECT_TRUE(is_refined(0.06, false, true));
+  EXPECT_FALSE(is_refined(0.04, false, true));
 }
 
 TEST(MeshAdaptation, EndsBeforeThereAreTooManyCells) {
