@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "interpolation/cell_tree.h"
 
@@ -62,26 +63,27 @@ class AbsentCells {
   // Root cells pass their nearest existing cell on to their neighbours, until none gets a nearer
   // one.
   void find_nearest(std::vector<std::int32_t> changed) {
-    const auto distance2 = [&](std::int32_t a, std::int32_t b) {
-      const Index i = index_of(a);
-      const Index j = index_of(b);
-      std::int32_t sum = 0;
-      for (int k = 0; k < 3; ++k) sum += (i[k] - j[k]) * (i[k] - j[k]);
-      return sum;
-    };
+    std::vector<std::int32_t> distances2(nearest_.size(), std::numeric_limits<std::int32_t>::max());
+    for (std::int32_t root : changed) distances2[root] = 0;
     while (!changed.empty()) {
       std::vector<std::int32_t> next;
       for (std::int32_t root : changed) {
         const std::int32_t offered = nearest_[root];
+        const Index at = index_of(root);
+        const Index of_offered = index_of(offered);
         for (int side = 0; side < 6; ++side) {
-          Index beside = index_of(root);
+          Index beside = at;
           std::int32_t& i = beside[side / 2];
           i += side % 2 == 0 ? -1 : 1;
           if (i < 0 || i >= num_) continue;
           const std::int32_t other = root_at(beside);
-          std::int32_t& known = nearest_[other];
-          if (known >= 0 && distance2(other, offered) >= distance2(other, known)) continue;
-          known = offered;
+          std::int32_t distance2 = 0;
+          for (int k = 0; k < 3; ++k) {
+            distance2 += (beside[k] - of_offered[k]) * (beside[k] - of_offered[k]);
+          }
+          if (distance2 >= distances2[other]) continue;
+          distances2[other] = distance2;
+          nearest_[other] = offered;
           next.push_back(other);
         }
       }

@@ -33,7 +33,7 @@ EdgeFit::EdgeFit(const std::vector<ConfigurationSummary>& configurations) {
     const bool touches = (c.flags & flags::touches_nothing) == 0;
     if (c.level == 0 && c.leads_on() && touches) forces.push_back(c.force.norm());
   }
-  large_force_ = large_force(std::move(forces));
+  large_force_ = palpate::large_force(std::move(forces));
 }
 
 double EdgeFit::energy_misfit(const ConfigurationSummary& a, const ConfigurationSummary& b) const {

@@ -32,6 +32,8 @@ class EdgeFit {
   /// may fit in energy.
   [[nodiscard]] double force_misfit(const ConfigurationSummary& a,
                                     const ConfigurationSummary& b) const;
+  /// N.
+  [[nodiscard]] double large_force() const { return large_force_; }
   /// Cells of 0.8 radii of a sphere have errors of 1 % in the mean, and of 4 % at most.
   [[nodiscard]] bool fits(const ConfigurationSummary& a, const ConfigurationSummary& b) const {
     return !(energy_misfit(a, b) > 0.02) && !(force_misfit(a, b) > 0.2);

@@ -245,6 +245,24 @@ std::vector<CellEstimate> estimate_errors(const Grid& grid,
   return estimates;
 }
 
+std::vector<double> estimate_errors_in(const Grid& grid,
+                                       const std::vector<ConfigurationSummary>& configurations,
+                                       const std::vector<Cell>& cells) {
+  const Clearance none;
+  const Estimator estimator(grid, configurations, none);
+  std::map<Cell, std::int32_t> leaves;
+  for (const CellTree::Leaf& leaf : estimator.grid().tree().leaves()) {
+    leaves.emplace(leaf.cell, static_cast<std::int32_t>(leaves.size()));
+  }
+  std::vector<double> errors;
+  for (const Cell& cell : cells) {
+    const auto leaf = leaves.find(cell);
+    errors.push_back(leaf == leaves.end() ? std::numeric_limits<double>::infinity()
+                                          : estimator.estimate(leaf->second).error);
+  }
+  return errors;
+}
+
 std::vector<double> estimate_errors_around(const Grid& grid,
                                            const std::vector<ConfigurationSummary>& configurations,
                                            const Clearance& clearance) {

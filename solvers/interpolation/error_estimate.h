@@ -62,6 +62,12 @@ struct CellEstimate {
     const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
     const Clearance& clearance = {});
 
+/// The errors of some leaves, N, in the order of the cells given; infinite where a cell is no leaf.
+/// @throws InputError as CheckPointGrid.
+[[nodiscard]] std::vector<double> estimate_errors_in(
+    const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
+    const std::vector<Cell>& cells);
+
 /// For each configuration, the largest error of the leaves that have its check-point at a corner,
 /// an edge or a side, N; NaN if the error is infinite or the check-point is off the grid.
 /// @throws InputError as CheckPointGrid.

@@ -5,9 +5,11 @@
 #include <deque>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "interpolation/branch_test.h"
+#include "interpolation/error_estimate.h"
 #include "interpolation/leaf_edges.h"
 
 namespace palpate {
@@ -18,10 +20,21 @@ namespace {
 constexpr int kMargin = 5;
 constexpr int kReturns = 3;
 
+/// The number of layers of cells beside a break whose mixed derivatives depend on differences
+/// across it or up to it; and the error, as a share of a large force, that is too large in the
+/// first of them, twice that in the second, and so on.
+constexpr int kLayers = 3;
+constexpr double kLargeErrorALayer = 0.008;
+
 class ShellBuilder {
  public:
   ShellBuilder(const Grid& grid, const std::vector<ConfigurationSummary>& all)
-      : all_(all), tree_(grid, all), edges_(tree_), fit_(all), covered_(all.size(), 0) {
+      : all_(all),
+        grid_(grid),
+        tree_(grid, all),
+        edges_(tree_),
+        fit_(all),
+        covered_(all.size(), 0) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (!all[i].usable() || (all[i].flags & flags::unstable) != 0) continue;
       at_[all[i].check_point].push_back(static_cast<std::int32_t>(i));
@@ -33,9 +46,7 @@ class ShellBuilder {
     for (const std::int32_t seed : seeds()) {
       if (covered_[seed] == 0 && branches_.size() < kMost) grow_further(seed);
     }
-    ShellBranches result{{}, tree_, next(), {}, {}};
-    result.ends = ends(result.next);
-    result.parts = parts();
+    ShellBranches result{{}, tree_, next(), {}, parts(), branches_.size() > 1};
     for (const Branch& branch : branches_) {
       std::vector<std::int32_t>& members = result.configurations.emplace_back();
       for (const auto& [p, member] : branch) members.push_back(member.configuration);
@@ -47,6 +58,10 @@ class ShellBuilder {
     }
     for (std::vector<std::int32_t>& members : result.configurations) {
       std::sort(members.begin(), members.end());
+    }
+    result.ends = ends(result);
+    for (std::size_t l = 0; l < tree_.leaves().size() && !result.any_end; ++l) {
+      result.any_end = result.ends[l] != 0 && is_complete(tree_.leaves()[l].cell);
     }
     return result;
   }
@@ -85,6 +100,13 @@ class ShellBuilder {
     static const std::vector<std::int32_t> none;
     const auto here = at_.find(p);
     return here == at_.end() ? none : here->second;
+  }
+
+  /// Whether there are configurations at all corners of a cell.
+  [[nodiscard]] bool is_complete(const Cell& cell) const {
+    int corner = 0;
+    while (corner < 8 && at_.count(corner_of(cell, corner)) > 0) ++corner;
+    return corner == 8;
   }
 
   /// The number of the configurations at a check-point that fit one.
@@ -191,14 +213,22 @@ class ShellBuilder {
     take(std::move(branch));
   }
 
+  /// The leaves around the check-points of a branch, ascending.
+  [[nodiscard]] std::vector<std::int32_t> leaves_at(const Branch& branch) const {
+    std::vector<std::int32_t> leaves;
+    for (const auto& [p, member] : branch) {
+      tree_.for_each_leaf_around(p, [&](std::int32_t l) { leaves.push_back(l); });
+    }
+    std::sort(leaves.begin(), leaves.end());
+    leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
+    return leaves;
+  }
+
   /// Keeps a branch, unless it is a further one that spans no leaf.
   void take(Branch branch) {
-    const auto& leaves = tree_.leaves();
     std::vector<std::int32_t> spanned;
-    for (std::size_t l = 0; l < leaves.size(); ++l) {
-      int corners = 0;
-      while (corners < 8 && branch.count(corner_of(leaves[l].cell, corners)) > 0) ++corners;
-      if (corners == 8) spanned.push_back(static_cast<std::int32_t>(l));
+    for (const std::int32_t l : leaves_at(branch)) {
+      if (num_shared(branch, branch, tree_.leaves()[l].cell) == 8) spanned.push_back(l);
     }
     if (!branches_.empty() && spanned.empty()) return;
     for (const std::int32_t l : spanned) branches_at_[l].push_back(branches_.size());
@@ -220,45 +250,125 @@ class ShellBuilder {
     return all;
   }
 
-  [[nodiscard]] std::vector<char> ends(const std::vector<std::int16_t>& next) const {
-    std::vector<char> all;
-    all.reserve(next.size());
-    for (std::size_t l = 0; l < tree_.leaves().size(); ++l) {
-      const Cell& cell = tree_.leaves()[l].cell;
-      for (std::size_t s = 0; s < branches_.size(); ++s) {
-        const Branch& own = branches_[s];
-        const int num_own = num_shared(own, own, cell);
-        const Branch& other = branches_[static_cast<std::size_t>(next[all.size()])];
-        const bool goes_on = num_own > 0 && num_shared(own, other, cell) == num_own;
-        const bool is_spanned = branches_at_.count(static_cast<std::int32_t>(l)) > 0;
-        const bool ends = num_own < 8 ? !(goes_on && is_spanned) : may_be_wrong(own, cell);
-        all.push_back(ends ? 1 : 0);
-      }
+  /// Where a branch has nothing at the corners of a leaf, it ends.
+  [[nodiscard]] std::vector<char> ends(const ShellBranches& found) const {
+    std::vector<char> all(found.next.size(), 1);
+    std::vector<std::set<std::int32_t>> wrong;
+    for (std::size_t s = 0; s < branches_.size(); ++s) wrong.push_back(may_be_wrong(s, found));
+    for (const LeafOfBranch& part : found.parts) {
+      const auto s = static_cast<std::size_t>(part.branch);
+      const auto at = static_cast<std::size_t>(part.leaf) * branches_.size() + s;
+      const Cell& cell = tree_.leaves()[part.leaf].cell;
+      const int num_own = num_shared(branches_[s], branches_[s], cell);
+      const Branch& other = branches_[static_cast<std::size_t>(found.next[at])];
+      const bool goes_on = num_shared(branches_[s], other, cell) == num_own;
+      const bool is_spanned = branches_at_.count(part.leaf) > 0;
+      const bool ends = num_own < 8 ? !(goes_on && is_spanned) : wrong[s].count(part.leaf) > 0;
+      all[at] = ends ? 1 : 0;
     }
     return all;
   }
 
-  /// Whether the force of a branch that spans a cell may be wrong there: along an edge at one of
-  /// its corners the energy does not fit the forces. The branch may end for a part of the cell, or
-  /// the mixed derivatives at the corner are differences across its end.
-  [[nodiscard]] bool may_be_wrong(const Branch& branch, const Cell& cell) const {
-    for (int corner = 0; corner < 8; ++corner) {
-      const ConfigurationSummary& c = all_[branch.at(corner_of(cell, corner)).configuration];
-      for (const CheckPoint& q : edges_.neighbours(c.check_point)) {
+  /// How many layers of cells a check-point is away from where the energy of a branch does not fit
+  /// its forces along an edge, or where the branch ends since it is broken.
+  using Layers = std::map<CheckPoint, int>;
+  [[nodiscard]] Layers layers_from_breaks(const Branch& branch,
+                                          const std::vector<std::int32_t>& leaves) const {
+    Layers layers;
+    for (const auto& [p, member] : branch) {
+      for (const CheckPoint& q : edges_.neighbours(p)) {
         const auto beside = branch.find(q);
-        if (beside != branch.end() && !fit_.fits(c, all_[beside->second.configuration])) {
-          return true;
-        }
+        const bool is_break = beside == branch.end() ? is_broken_to(q, member.configuration)
+                                                     : !fits(member, beside->second);
+        if (is_break) layers[p] = 0;
+      }
+    }
+    for (int layer = 1; layer < kLayers; ++layer) {
+      Layers further = layers;
+      for (const std::int32_t l : leaves) {
+        const Cell& cell = tree_.leaves()[l].cell;
+        if (layer_of(cell, layers) == kLayers) continue;
+        for (int corner = 0; corner < 8; ++corner) further.emplace(corner_of(cell, corner), layer);
+      }
+      layers = std::move(further);
+    }
+    return layers;
+  }
+  /// Whether the way from a configuration to one at a check-point beside it is broken.
+  [[nodiscard]] bool is_broken_to(const CheckPoint& q, std::int32_t from) const {
+    const std::vector<std::int32_t>& there = list_at(q);
+    return std::any_of(there.begin(), there.end(), [&](std::int32_t i) {
+      return way_between(all_[from], all_[i]) == Way::broken;
+    });
+  }
+  /// kLayers: far away.
+  [[nodiscard]] static int layer_of(const Cell& cell, const Layers& layers) {
+    int nearest = kLayers;
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto here = layers.find(corner_of(cell, corner));
+      if (here != layers.end()) nearest = std::min(nearest, here->second);
+    }
+    return nearest;
+  }
+
+  /// The leaves of those that a branch spans in which its force may be wrong.
+  [[nodiscard]] std::set<std::int32_t> may_be_wrong(std::size_t branch,
+                                                    const ShellBranches& found) const {
+    const Branch& own = branches_[branch];
+    std::vector<std::int32_t> spanned;
+    for (const auto& [leaf, branches] : branches_at_) {
+      if (std::find(branches.begin(), branches.end(), branch) != branches.end()) {
+        spanned.push_back(leaf);
+      }
+    }
+    const Layers layers = layers_from_breaks(own, spanned);
+    std::set<std::int32_t> wrong;
+    std::vector<std::int32_t> doubtful;
+    std::vector<Cell> cells;
+    for (const std::int32_t l : spanned) {
+      const Cell& cell = tree_.leaves()[l].cell;
+      const int layer = layer_of(cell, layers);
+      if (layer == kLayers) continue;
+      if (layer == 0 && has_misfit(own, cell)) {
+        wrong.insert(l);
+        continue;
+      }
+      doubtful.push_back(l);
+      cells.push_back(cell);
+    }
+    if (cells.empty()) return wrong;
+    std::vector<ConfigurationSummary> of_branch;
+    for (const std::int32_t i : found.configurations[branch]) {
+      of_branch.push_back(all_[i]);
+      of_branch.back().flags &= ~flags::near_fold;  // As restricted() does.
+    }
+    const std::vector<double> errors = estimate_errors_in(grid_, of_branch, cells);
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      const double most = kLargeErrorALayer * (1 + layer_of(cells[c], layers)) * fit_.large_force();
+      if (errors[c] > most) wrong.insert(doubtful[c]);
+    }
+    return wrong;
+  }
+
+  [[nodiscard]] bool has_misfit(const Branch& branch, const Cell& cell) const {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Member& member = branch.at(corner_of(cell, corner));
+      for (const CheckPoint& q : edges_.neighbours(corner_of(cell, corner))) {
+        const auto beside = branch.find(q);
+        if (beside != branch.end() && !fits(member, beside->second)) return true;
       }
     }
     return false;
   }
+  [[nodiscard]] bool fits(const Member& a, const Member& b) const {
+    return fit_.fits(all_[a.configuration], all_[b.configuration]);
+  }
 
   [[nodiscard]] std::vector<LeafOfBranch> parts() const {
     std::vector<LeafOfBranch> all;
-    for (std::size_t l = 0; l < tree_.leaves().size(); ++l) {
-      for (std::size_t s = 0; s < branches_.size(); ++s) {
-        LeafOfBranch part{static_cast<std::int32_t>(l), static_cast<std::int32_t>(s), {}};
+    for (std::size_t s = 0; s < branches_.size(); ++s) {
+      for (const std::int32_t l : leaves_at(branches_[s])) {
+        LeafOfBranch part{l, static_cast<std::int32_t>(s), {}};
         bool is_any = false;
         for (int corner = 0; corner < 8; ++corner) {
           const auto here = branches_[s].find(corner_of(tree_.leaves()[l].cell, corner));
@@ -269,6 +379,7 @@ class ShellBuilder {
         if (is_any) all.push_back(part);
       }
     }
+    std::sort(all.begin(), all.end());
     return all;
   }
 
@@ -325,6 +436,7 @@ class ShellBuilder {
   }
 
   const std::vector<ConfigurationSummary>& all_;
+  const Grid& grid_;
   CellTree tree_;
   LeafEdges edges_;
   EdgeFit fit_;

@@ -12,6 +12,13 @@
 // Where no branch spans a cell the body is on branch 0, which has the one side beside the other
 // there.
 //
+// The force of a branch may be wrong in a leaf that it spans where along an edge at a corner the
+// energy does not fit the forces (EdgeFit): the branch may end for a part of the leaf, or the mixed
+// derivatives at the corner are differences across its end. It may be wrong near such an edge too,
+// or near one that is broken, where the differences have few nodes, if the estimate of the error
+// (error_estimate.h) is above 0.8 % of a large force at its ends, or above twice and three times
+// that one and two layers of cells away.
+//
 // Two configurations at the ends of an edge are connected if a transition from one to the other was
 // made, and was smooth (EdgeFit); or, where none was made, if each fits no other level of the other
 // end. Where two sides join, as where the tool leaves a ridge, both are connected with the same
@@ -48,10 +55,13 @@ struct ShellBranches {
   std::vector<std::int16_t> next;
   /// For the same, whether the branch may end within the leaf [leaves × branches]: it does not span
   /// the leaf, and not all that it has there is on the next one, so that the body may be on it
-  /// still; or it spans the leaf, but the energy along an edge at a corner does not fit the forces.
+  /// still; or it spans the leaf, but its force may be wrong there.
   std::vector<char> ends;
   /// Where a branch has anything at the corners of a leaf, in the order of operator<.
   std::vector<LeafOfBranch> parts;
+  /// Whether there are several branches, or the only one ends within a leaf at all of whose corners
+  /// there are configurations.
+  bool any_end = false;
 };
 
 /// @param configurations They are in the order of operator<.

@@ -247,7 +247,7 @@ SolutionBranches::SolutionBranches(const TouchToolSpace& tool_space)
   if (tool_space.setup.grid.sparse && has_levels) {
     ShellBranches found = find_shell_branches(tool_space.setup.grid, all);
     configurations_ = std::move(found.configurations);
-    if (configurations_.size() > 1) {
+    if (found.any_end) {
       leaves_ = std::move(found.tree);
       next_ = std::move(found.next);
       ends_ = std::move(found.ends);

@@ -38,6 +38,8 @@ class SolutionBranches {
 
   /// The number of branches, at least one; the first is that of rest.
   [[nodiscard]] int size() const { return static_cast<int>(configurations_.size()); }
+  /// Whether there is one branch alone, which ends nowhere in its cells.
+  [[nodiscard]] bool is_one_whole() const { return next_.empty(); }
   /// The configurations of a branch: indices into the tool space's list, ascending.
   [[nodiscard]] const std::vector<std::int32_t>& configurations(int branch) const {
     return configurations_[static_cast<std::size_t>(branch)];
@@ -88,7 +90,7 @@ class SolutionBranches {
   /// The first corners of the cells that a branch spans, ascending; empty if there is one branch.
   /// The other cells of the grid, which may be very many, take no memory.
   std::vector<CheckPoint> cells_;
-  /// In the space of a rigid tool with several branches, the cells of all check-points.
+  /// In the space of a rigid tool whose branches end somewhere, the cells of all check-points.
   std::optional<CellTree> leaves_;
   /// For each of these cells and each branch that the body came on, the branch that it goes on with
   /// [cells × size], those of a cell next to each other.

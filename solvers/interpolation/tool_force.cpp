@@ -96,7 +96,7 @@ void ToolForce::take_only(const TouchToolSpace& tool_space, const ToolForce* bef
   // When the first level is found, the flags of others change, see restricted().
   const bool grows = before != nullptr && before->has_levels_ == has_levels_;
   const Interpolator* flat = grows ? before->parts_.front().force.get() : nullptr;
-  if (!has_levels_ && branches->size() == 1) {
+  if (!has_levels_ && branches->is_one_whole()) {
     parts_.push_back({key, make_interpolator(method_, tool_space, options_, flat, changed)});
   } else {
     for (int branch = 0; branch < branches->size(); ++branch) {
@@ -114,7 +114,7 @@ void ToolForce::take_only(const TouchToolSpace& tool_space, const ToolForce* bef
       if (force == nullptr) force = make_interpolator(method_, part, options_);
       on_further_branch_.push_back(std::move(force));
     }
-    if (branches->size() > 1) branches_ = std::move(branches);
+    if (!branches->is_one_whole()) branches_ = std::move(branches);
   }
   if (!(options_.reach_of_states > 0)) return;
   near_ =

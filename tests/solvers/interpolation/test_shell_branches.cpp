@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <set>
 #include <vector>
@@ -146,6 +147,70 @@ TEST(ShellBranches, AreFeltWhereTransitionsHaveFoundNoFurtherLevel) {
   const SolutionBranches branches(space);
   EXPECT_GT(branches.size(), 1);
   EXPECT_EQ(ToolForce({&space}, Method::energy_hermite).num_branches(), branches.size());
+}
+
+/// What is pressed from above and has given way nowhere. The way between a check-point and that
+/// above it was tried.
+TouchToolSpace from_above(const CheckPoint& p, std::int32_t reached) {
+  const TouchToolSpace two_sides = TwoSides::make();
+  std::vector<std::int32_t> flat;
+  for (std::size_t i = 0; i < two_sides.configurations.size(); ++i) {
+    const ConfigurationSummary& c = two_sides.configurations[i];
+    if (c.level == 0 && c.check_point[2] >= 0) flat.push_back(static_cast<std::int32_t>(i));
+  }
+  TouchToolSpace space = restricted(two_sides, flat);
+  const CheckPoint above{p[0], p[1], p[2] + 1};
+  for (ConfigurationSummary& c : space.configurations) {
+    c.reached = ConfigurationSummary().reached;
+    if (c.check_point == p) c.reached[neighbour_number(p, above)] = reached;
+    if (c.check_point == above) c.reached[neighbour_number(above, p)] = reached;
+  }
+  return space;
+}
+
+TEST(ShellBranches, WhereTheOnlyOneDoesNotFitItsCellsAreMarked) {
+  const CheckPoint p{0, 0, 0};
+  TouchToolSpace space = from_above(p, 0);
+  for (ConfigurationSummary& c : space.configurations) {
+    if (c.check_point == p) c.force *= 3;
+  }
+  const ToolForce force({&space}, Method::energy_hermite);
+  EXPECT_EQ(force.num_branches(), 1);
+  EXPECT_EQ(force.evaluate(kH * Vec3(0.4, 0.4, 0.5), {}).support, Support::marked);
+  EXPECT_EQ(force.evaluate(kH * Vec3(2.4, 0.4, 0.5), {}).support, Support::inside);
+}
+
+/// Multiplies the energy by 1 + share · sin(x / length) sin(y / length).
+void ripple(TouchToolSpace& space, double share, double length) {
+  for (ConfigurationSummary& c : space.configurations) {
+    const double x = c.t.x() / length;
+    const double y = c.t.y() / length;
+    const double w = share * std::sin(x) * std::sin(y);
+    const Vec3 dw = share / length * Vec3(std::cos(x) * std::sin(y), std::sin(x) * std::cos(y), 0);
+    const double across = share / (length * length) * std::cos(x) * std::cos(y);
+    c.stiffness(2, 2) *= 1 + w;
+    c.stiffness(0, 0) = c.stiffness(1, 1) = -c.energy * w / (length * length);
+    c.stiffness(0, 1) = c.stiffness(1, 0) = c.energy * across;
+    for (int k = 0; k < 2; ++k) c.stiffness(k, 2) = c.stiffness(2, k) = c.force.z() * dw[k];
+    c.force = Vec3(c.energy * dw.x(), c.energy * dw.y(), c.force.z() * (1 + w));
+    c.energy *= 1 + w;
+  }
+}
+
+// Beside a break the differences have few nodes. Where they err, that is as far as they reach.
+TEST(ShellBranches, AreMarkedBesideABreakWhereTheErrorIsLarge) {
+  for (const double share : {0.05, 0.3}) {
+    TouchToolSpace space = from_above({-4, -4, 0}, failed_to_reach);
+    ripple(space, share, kH / 1.6);
+    const ToolForce force({&space}, Method::energy_hermite);
+    // The first cell is that of the break itself.
+    const int num_marked = share > 0.1 ? 3 : 1;
+    for (int cell = 0; cell < 8; ++cell) {
+      const Vec3 x = kH * Vec3(cell - 3.5, -3.5, 0.5);
+      const Support here = force.evaluate(x, {}).support;
+      EXPECT_EQ(here, cell < num_marked ? Support::marked : Support::inside) << cell;
+    }
+  }
 }
 
 }  // namespace
