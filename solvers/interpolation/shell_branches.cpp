@@ -270,7 +270,7 @@ class ShellBuilder {
   }
 
   /// How many layers of cells a check-point is away from where the energy of a branch does not fit
-  /// its forces along an edge, or where the branch ends since it is broken.
+  /// its forces along an edge, or where the branch ends.
   using Layers = std::map<CheckPoint, int>;
   [[nodiscard]] Layers layers_from_breaks(const Branch& branch,
                                           const std::vector<std::int32_t>& leaves) const {
@@ -278,8 +278,9 @@ class ShellBuilder {
     for (const auto& [p, member] : branch) {
       for (const CheckPoint& q : edges_.neighbours(p)) {
         const auto beside = branch.find(q);
-        const bool is_break = beside == branch.end() ? is_broken_to(q, member.configuration)
-                                                     : !fits(member, beside->second);
+        // Beyond its margin a branch is not continued.
+        const bool ends_here = at_.count(q) > 0 && member.layer < kMargin;
+        const bool is_break = beside == branch.end() ? ends_here : !fits(member, beside->second);
         if (is_break) layers[p] = 0;
       }
     }
@@ -293,13 +294,6 @@ class ShellBuilder {
       layers = std::move(further);
     }
     return layers;
-  }
-  /// Whether the way from a configuration to one at a check-point beside it is broken.
-  [[nodiscard]] bool is_broken_to(const CheckPoint& q, std::int32_t from) const {
-    const std::vector<std::int32_t>& there = list_at(q);
-    return std::any_of(there.begin(), there.end(), [&](std::int32_t i) {
-      return way_between(all_[from], all_[i]) == Way::broken;
-    });
   }
   /// kLayers: far away.
   [[nodiscard]] static int layer_of(const Cell& cell, const Layers& layers) {
