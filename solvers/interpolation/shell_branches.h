@@ -15,9 +15,9 @@
 // The force of a branch may be wrong in a leaf that it spans where along an edge at a corner the
 // energy does not fit the forces (EdgeFit): the branch may end for a part of the leaf, or the mixed
 // derivatives at the corner are differences across its end. It may be wrong near such an edge too,
-// or near one that is broken, where the differences have few nodes, if the estimate of the error
-// (error_estimate.h) is above 0.8 % of a large force at its ends, or above twice and three times
-// that one and two layers of cells away.
+// or near the end of the branch, where the differences have few nodes, if the estimate of the error
+// (error_estimate.h) is above 0.8 % of a large force there, or above twice and three times that one
+// and two layers of cells away.
 //
 // Two configurations at the ends of an edge are connected if a transition from one to the other was
 // made, and was smooth (EdgeFit); or, where none was made, if each fits no other level of the other
