@@ -5,7 +5,7 @@
 //   OPENBLAS_NUM_THREADS=1 mpiexec -n 2 palpate_benchmark_contact_space scene.palpate
 //     [--radius 10] [--depth 8] [--spacing 4] [--tolerance 0] [--tests 2000] [--file space.palpate]
 //     [--method 4] [--node 0] [--region 0] [--single 1] [--newton 0] [--thickness 0] [--levels 1]
-//     [--seconds 0] [--sides 0] [--seed 2008]
+//     [--seconds 0] [--sides 0] [--seed 2008] [--hand -1] [--states 500]
 //
 // Lengths in mm, the tolerance as a share of the largest force; where a region is given, the space
 // is of the surface within that distance of a point of the mesh; the layer of contact is the one
@@ -25,6 +25,10 @@
 // With --sides so many places at which the body has several equilibria are pressed from both sides,
 // straight through the body along the normal, and what is felt is beside solves along the same
 // ways. Ways that leave the space are left out.
+//
+// With --hand the space is explored around a hand that rests at a point of the mesh and presses it
+// half as deep as the space goes, until so many states were solved for or none is left, and goes
+// into the file. What there is then is tested: give --seconds 1 too.
 //
 // With --newton the transitions to so many configurations of the file are made by Newton's method
 // too, a factorisation at each iterate. Prints Markdown tables.
@@ -50,6 +54,7 @@
 #include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
 #include "exploration/transfer.h"
+#include "following/follow_session.h"
 #include "interpolation/error_estimate.h"
 #include "interpolation/passivity_figures.h"
 #include "interpolation/tool_force.h"
@@ -69,10 +74,10 @@ namespace fs = std::filesystem;
 struct Arguments {
   fs::path scene;
   std::map<std::string, std::string> values{
-      {"radius", "10"},   {"depth", "8"},   {"spacing", "4"}, {"tolerance", "0"},
-      {"tests", "2000"},  {"file", ""},     {"method", "4"},  {"node", "0"},
-      {"region", "0"},    {"single", "1"},  {"newton", "0"},  {"levels", "1"},
-      {"thickness", "0"}, {"seconds", "0"}, {"sides", "0"},   {"seed", "2008"}};
+      {"radius", "10"}, {"depth", "8"},  {"spacing", "4"},   {"tolerance", "0"}, {"tests", "2000"},
+      {"file", ""},     {"method", "4"}, {"node", "0"},      {"region", "0"},    {"single", "1"},
+      {"newton", "0"},  {"levels", "1"}, {"thickness", "0"}, {"seconds", "0"},   {"sides", "0"},
+      {"seed", "2008"}, {"hand", "-1"},  {"states", "500"}};
 
   Arguments(int argc, char** argv) {
     if (argc < 2 || argc % 2 != 0)
@@ -415,6 +420,23 @@ void print_newton(const PrecomputeOptions& options, const Scene& scene, const In
       1e3 * newton.work().floor_seconds(), each / newton.work().floor_seconds());
 }
 
+/// Explores a space around a hand that rests.
+void follow(const Scene& scene, const PrecomputeOptions& options, const Vec3& hand,
+            std::int64_t states) {
+  FollowSession session(std::make_shared<const Scene>(scene), options);
+  session.follow(HandPrediction({hand, Vec3::Zero()}));
+  Explorer explorer(session.job());
+  while (session.figures().num_solved < states) {
+    const std::optional<ExplorerTask> task = session.next();
+    if (!task) break;
+    (void)session.accept(explorer.make(*task));
+  }
+  const FollowSession::Figures figures = session.figures();
+  std::printf("%lld states around the hand in %.1f s\n\n",
+              static_cast<long long>(figures.num_solved), figures.seconds);
+  (void)session.finish();
+}
+
 void measure(const Arguments& arguments, Communicator& world) {
   Scene scene = StateSpaceFile::open_read_only(arguments.scene).read_scene();
   if (const double region = 1e-3 * arguments.number("region"); region > 0) {
@@ -447,6 +469,16 @@ void measure(const Arguments& arguments, Communicator& world) {
     }
     return !(most_seconds > 0) || state.seconds < most_seconds;
   };
+  InteractionFactory tools(scene.body, {});
+  const RigidTool tool = with_defaults(options.contact->tool, scene);
+  const InteractionSpec spec = rigid_contact_spec(tool);
+  const auto clearance = tools.clearance(spec);
+  if (const auto node = static_cast<Index>(arguments.number("hand")); node >= 0) {
+    const Vec3 place = scene.body.mesh.points[node];
+    const Vec3 hand = clearance->pressed(place, clearance->approach(place).out,
+                                         0.5 * options.contact->shell.depth);
+    follow(scene, options, hand, static_cast<std::int64_t>(arguments.number("states")));
+  }
   const PrecomputeResult result = precompute(scene, options, world, progress);
   const PrecomputeReport& report = result.report;
   std::int64_t num_free = 0;
@@ -490,11 +522,7 @@ void measure(const Arguments& arguments, Communicator& world) {
     std::fflush(stdout);
   }
 
-  InteractionFactory tools(scene.body, {});
   EquilibriumSolver solver(scene, {});
-  const RigidTool tool = with_defaults(options.contact->tool, scene);
-  const InteractionSpec spec = rigid_contact_spec(tool);
-  const auto clearance = tools.clearance(spec);
   const std::unique_ptr<Interaction> contact = tools.make(spec);
   solver.set_interaction(*contact);
   const TouchToolSpace& space = result.space.tool_spaces.front();
