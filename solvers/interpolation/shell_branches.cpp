@@ -61,7 +61,8 @@ class ShellBuilder {
     }
     result.ends = ends(result);
     for (std::size_t l = 0; l < tree_.leaves().size() && !result.any_end; ++l) {
-      result.any_end = result.ends[l] != 0 && is_complete(tree_.leaves()[l].cell);
+      const bool is_spanned = branches_at_.count(static_cast<std::int32_t>(l)) > 0;
+      result.any_end = !is_spanned && is_complete(tree_.leaves()[l].cell);
     }
     return result;
   }

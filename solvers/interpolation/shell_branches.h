@@ -59,8 +59,8 @@ struct ShellBranches {
   std::vector<char> ends;
   /// Where a branch has anything at the corners of a leaf, in the order of operator<.
   std::vector<LeafOfBranch> parts;
-  /// Whether there are several branches, or the only one ends within a leaf at all of whose corners
-  /// there are configurations.
+  /// Whether there are several branches, or the only one does not span a leaf at all of whose
+  /// corners there are configurations. Where it spans all of them nothing snaps.
   bool any_end = false;
 };
 
