@@ -309,8 +309,8 @@ bool SolutionBranches::ends_at(int branch, const Vec3& t) const noexcept {
   return leaf >= 0 && ends_[place_of(leaf, branch)] != 0;
 }
 
-bool SolutionBranches::differs(std::int32_t leaf, std::int32_t branch,
-                               std::int32_t other) const noexcept {
+bool SolutionBranches::may_be_on(std::int32_t leaf, std::int32_t branch,
+                                 std::int32_t other) const noexcept {
   const auto find = [&](std::int32_t of) {
     const LeafOfBranch sought{leaf, of, {}};
     const auto found = std::lower_bound(parts_.begin(), parts_.end(), sought);
@@ -321,7 +321,7 @@ bool SolutionBranches::differs(std::int32_t leaf, std::int32_t branch,
   const LeafOfBranch* others = find(other);
   for (std::size_t corner = 0; corner < 8; ++corner) {
     const std::int32_t here = own->configurations[corner];
-    if (here >= 0 && (others == nullptr || others->configurations[corner] != here)) return true;
+    if (here < 0 || others == nullptr || others->configurations[corner] != here) return true;
   }
   return false;
 }
@@ -333,7 +333,7 @@ OnBranch SolutionBranches::follow_in_leaves(OnBranch branch, const Vec3& t) cons
   const std::int32_t before = branch.number;
   branch.number = next_[place];
   if (ends_[place] != 0) branch.left = before;
-  if (branch.left >= 0 && !differs(leaf, branch.left, branch.number)) branch.left = -1;
+  if (branch.left >= 0 && !may_be_on(leaf, branch.left, branch.number)) branch.left = -1;
   return branch;
 }
 

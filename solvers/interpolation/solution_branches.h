@@ -73,9 +73,10 @@ class SolutionBranches {
   [[nodiscard]] OnBranch follow_in_leaves(OnBranch branch, const Vec3& t) const noexcept;
   /// In the space of a rigid tool, the leaf that has a place; −1: there is none.
   [[nodiscard]] std::int32_t leaf_at(const Vec3& t) const noexcept;
-  /// Whether a branch has a configuration at a corner of a leaf that another one has not.
-  [[nodiscard]] bool differs(std::int32_t leaf, std::int32_t branch,
-                             std::int32_t other) const noexcept;
+  /// Whether a body that has left a branch for another one may be on the former in a leaf: it has
+  /// something there, and is not the same as the other one at all corners.
+  [[nodiscard]] bool may_be_on(std::int32_t leaf, std::int32_t branch,
+                               std::int32_t other) const noexcept;
   [[nodiscard]] std::size_t place_of(std::int32_t leaf, std::int32_t branch) const noexcept {
     return static_cast<std::size_t>(leaf) * configurations_.size() +
            static_cast<std::size_t>(branch);
