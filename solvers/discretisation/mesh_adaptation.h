@@ -113,9 +113,8 @@ struct MeshHints {
 using TouchMesh = std::function<std::vector<TouchOnMesh>(const Scene&, const MeshHints&)>;
 
 /// Refines until the largest error that an estimate allows is within the tolerance, and no cell
-/// under the tool is too large for the estimate. The change from
-/// the mesh before must be, too: it shows what the estimate does not see, such as the outline of a
-/// bonded patch.
+/// under the tool is too large for the estimate. The change from the mesh before must be, too: it
+/// shows what the estimate does not see, such as the outline of a bonded patch.
 /// @param scene A scene that was checked.
 /// @throws InputError an option is not valid.
 [[nodiscard]] AdaptedMesh adapt_mesh(const Scene& scene, const AdaptationOptions& options,

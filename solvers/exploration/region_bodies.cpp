@@ -357,11 +357,11 @@ struct Made {
 };
 
 /// The largest error that the estimates allow at the touches of which it is known.
-double largest_error(const AdaptationRound& last, bool is_corrected) {
+double largest_known_error(const AdaptationRound& last, bool is_corrected) {
   double largest = 0;
   for (std::size_t i = 0; i < last.errors.size(); ++i) {
     if (last.is_known[i] == 0) continue;
-    const double most = palpate::largest_error(last, i, is_corrected);
+    const double most = largest_error(last, i, is_corrected);
     largest = std::max(largest, std::fmax(most, last.changes[i]));
   }
   return largest;
@@ -419,7 +419,7 @@ class MeshMaker {
     const AdaptationRound& last = adapted.rounds.back();
     const bool is_known = std::all_of(last.is_known.begin(), last.is_known.end(),
                                       [](char known) { return known != 0; });
-    return {adapted.chosen, largest_error(last, adaptation.is_corrected), is_known,
+    return {adapted.chosen, largest_known_error(last, adaptation.is_corrected), is_known,
             static_cast<std::int64_t>(adapted.end)};
   }
   /// The scene on the mesh that was made.

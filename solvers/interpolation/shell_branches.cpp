@@ -320,6 +320,7 @@ class ShellBuilder {
     std::set<std::int32_t> wrong;
     std::vector<std::int32_t> doubtful;
     std::vector<Cell> cells;
+    std::vector<double> most;
     for (const std::int32_t l : spanned) {
       const Cell& cell = tree_.leaves()[l].cell;
       const int layer = layer_of(cell, layers);
@@ -330,6 +331,7 @@ class ShellBuilder {
       }
       doubtful.push_back(l);
       cells.push_back(cell);
+      most.push_back(kLargeErrorALayer * (1 + layer) * fit_.large_force());
     }
     if (cells.empty()) return wrong;
     std::vector<ConfigurationSummary> of_branch;
@@ -339,8 +341,7 @@ class ShellBuilder {
     }
     const std::vector<double> errors = estimate_errors_in(grid_, of_branch, cells);
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      const double most = kLargeErrorALayer * (1 + layer_of(cells[c], layers)) * fit_.large_force();
-      if (errors[c] > most) wrong.insert(doubtful[c]);
+      if (errors[c] > most[c]) wrong.insert(doubtful[c]);
     }
     return wrong;
   }

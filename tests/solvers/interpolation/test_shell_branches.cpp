@@ -137,13 +137,18 @@ TEST(ShellBranches, AfterTheNormalItIsTheFlatOne) {
   }
 }
 
-TEST(ShellBranches, AreFeltWhereTransitionsHaveFoundNoFurtherLevel) {
-  const TouchToolSpace two_sides = TwoSides::make();
-  std::vector<std::int32_t> of_level_0;
-  for (std::size_t i = 0; i < two_sides.configurations.size(); ++i) {
-    if (two_sides.configurations[i].level == 0) of_level_0.push_back(static_cast<std::int32_t>(i));
+template <class Wanted>
+TouchToolSpace part_of(const TouchToolSpace& space, Wanted&& is_wanted) {
+  std::vector<std::int32_t> part;
+  for (std::size_t i = 0; i < space.configurations.size(); ++i) {
+    if (is_wanted(space.configurations[i])) part.push_back(static_cast<std::int32_t>(i));
   }
-  const TouchToolSpace space = restricted(two_sides, of_level_0);
+  return restricted(space, part);
+}
+
+TEST(ShellBranches, AreFeltWhereTransitionsHaveFoundNoFurtherLevel) {
+  const TouchToolSpace space =
+      part_of(TwoSides::make(), [](const auto& c) { return c.level == 0; });
   const SolutionBranches branches(space);
   EXPECT_GT(branches.size(), 1);
   EXPECT_EQ(ToolForce({&space}, Method::energy_hermite).num_branches(), branches.size());
@@ -152,13 +157,8 @@ TEST(ShellBranches, AreFeltWhereTransitionsHaveFoundNoFurtherLevel) {
 /// What is pressed from above and has given way nowhere. The way between a check-point and that
 /// above it was tried.
 TouchToolSpace from_above(const CheckPoint& p, std::int32_t reached) {
-  const TouchToolSpace two_sides = TwoSides::make();
-  std::vector<std::int32_t> flat;
-  for (std::size_t i = 0; i < two_sides.configurations.size(); ++i) {
-    const ConfigurationSummary& c = two_sides.configurations[i];
-    if (c.level == 0 && c.check_point[2] >= 0) flat.push_back(static_cast<std::int32_t>(i));
-  }
-  TouchToolSpace space = restricted(two_sides, flat);
+  TouchToolSpace space = part_of(
+      TwoSides::make(), [](const auto& c) { return c.level == 0 && c.check_point[2] >= 0; });
   const CheckPoint above{p[0], p[1], p[2] + 1};
   for (ConfigurationSummary& c : space.configurations) {
     c.reached = ConfigurationSummary().reached;
@@ -170,14 +170,10 @@ TouchToolSpace from_above(const CheckPoint& p, std::int32_t reached) {
 
 TEST(ShellBranches, WhereTheOnlyOneIsBrokenItsCellsAreMarked) {
   for (const std::int32_t reached : {0, failed_to_reach}) {
-    TouchToolSpace space = from_above({0, 0, 0}, reached);
-    std::vector<std::int32_t> around;
-    for (std::size_t i = 0; i < space.configurations.size(); ++i) {
-      const CheckPoint& p = space.configurations[i].check_point;
-      const bool is_near = std::abs(p[0]) <= 1 && std::abs(p[1]) <= 1 && p[2] <= 1;
-      if (is_near) around.push_back(static_cast<std::int32_t>(i));
-    }
-    space = restricted(space, around);
+    const TouchToolSpace space = part_of(from_above({0, 0, 0}, reached), [](const auto& c) {
+      const CheckPoint& p = c.check_point;
+      return std::abs(p[0]) <= 1 && std::abs(p[1]) <= 1 && p[2] <= 1;
+    });
     const ToolForce force({&space}, Method::energy_hermite);
     EXPECT_EQ(force.num_branches(), 1);
     const TouchResult felt = force.evaluate(kH * Vec3(0.4, 0.4, 0.5), {});
