@@ -19,6 +19,9 @@ struct Body {
   TetMesh mesh;
   /// Index into Organ::materials [num_cells]; empty: the whole body has the first material.
   std::vector<Index> material_of_cell;
+  /// The part to which each cell belongs, such as one of several organs [num_cells]; empty: there
+  /// is one part.
+  std::vector<Index> part_of_cell;
   /// 1 for each point whose displacement is 0 [num_points].
   std::vector<char> fixed;
   /// 1 for each point that may be touched [num_points].
@@ -39,6 +42,9 @@ struct Body {
   /// The place of a cell's material in Organ::materials.
   [[nodiscard]] Index material_of(Index cell) const {
     return material_of_cell.empty() ? 0 : material_of_cell[cell];
+  }
+  [[nodiscard]] Index part_of(Index cell) const {
+    return part_of_cell.empty() ? 0 : part_of_cell[cell];
   }
   /// Whether the body is held by more than fixed points.
   [[nodiscard]] bool has_supports() const {

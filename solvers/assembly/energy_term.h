@@ -3,8 +3,8 @@
 // or of inertia in a time step.
 //
 // A term that couples only points of one cell adds its second derivative to the values of the
-// materials. A term that also couples other points names these pairs, and gives a block for each.
-// The pattern of the system then has room for them (equilibrium/system_pattern.h).
+// materials. A term that also couples other points names these pairs, with a block for each. The
+// pattern of the system then has room for them (equilibrium/system_pattern.h).
 #pragma once
 
 #include <limits>
@@ -25,16 +25,20 @@ class EnergyTerm {
   virtual double add(const NodalVector& state, NodalVector& force,
                      std::vector<double>* values) const = 0;
 
-  /// The pairs of points for which the term gives blocks. There may be more of them than the term
-  /// couples in one state: as long as each pair was named before, nothing is analysed anew. They
-  /// may change between two solves, but not within one.
-  [[nodiscard]] virtual std::vector<PointPair> couplings() const { return {}; }
-  /// Sets ∂²/∂u_a∂u_b for each of couplings(), in their order, N/m.
-  virtual void take_blocks(const NodalVector& /*state*/, std::vector<Mat3>& /*blocks*/) const {}
+  /// Sets the pairs of points that the term couples at a state, and their blocks. There may be more
+  /// pairs than it couples there: as long as each pair was named before, nothing is analysed anew.
+  virtual void take_blocks(const NodalVector& /*state*/, PairBlocks& /*blocks*/) const {}
 
   /// How far a point of the body may move in one step of a solve, m.
   [[nodiscard]] virtual double longest_step() const {
     return std::numeric_limits<double>::infinity();
+  }
+
+  /// The largest share of a step, at most 1, in which the term misses nothing, as a contact would
+  /// whose surfaces pass through each other.
+  [[nodiscard]] virtual double longest_share(const NodalVector& /*state*/,
+                                             const NodalVector& /*step*/) const {
+    return 1;
   }
 
   /// Whether the second derivative at the rest of the body stays the same from solve to solve, as

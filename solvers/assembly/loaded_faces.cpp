@@ -58,6 +58,37 @@ std::vector<FacePoint> face_quadrature(ElementOrder order) {
   return points;
 }
 
+std::vector<FacePoint> divided_quadrature(ElementOrder order, int divisions) {
+  /// Barycentric coordinates of a point, and its share of the area.
+  struct RulePoint {
+    double a, b, share;
+  };
+  constexpr double kNear = 0.445948490915965;
+  constexpr double kNearShare = 0.223381589678011;
+  constexpr double kFar = 0.091576213509771;
+  constexpr double kFarShare = 0.109951743655322;
+  constexpr RulePoint kRule[6] = {
+      {kNear, kNear, kNearShare},         {1 - 2 * kNear, kNear, kNearShare},
+      {kNear, 1 - 2 * kNear, kNearShare}, {kFar, kFar, kFarShare},
+      {1 - 2 * kFar, kFar, kFarShare},    {kFar, 1 - 2 * kFar, kFarShare}};
+  const double side = 1.0 / divisions;
+  std::vector<FacePoint> points;
+  points.reserve(6 * static_cast<std::size_t>(divisions) * static_cast<std::size_t>(divisions));
+  for (int i = 0; i < divisions; ++i) {
+    for (int j = 0; i + j < divisions; ++j) {
+      for (const RulePoint& p : kRule) {
+        const double weight = 0.5 * (side * side * p.share);
+        points.push_back(face_point(order, weight, side * (i + p.a), side * (j + p.b)));
+        if (i + j + 1 < divisions) {
+          points.push_back(
+              face_point(order, weight, side * (i + 1 - p.a), side * (j + 1 - p.b)));
+        }
+      }
+    }
+  }
+  return points;
+}
+
 std::vector<Index> faces_where(const TetMesh& mesh,
                                const std::function<bool(const Index* corners)>& holds) {
   const std::vector<Index> all = boundary_faces(mesh);

@@ -5,10 +5,20 @@
 
 #include <vector>
 
+#include "assembly/contact_law.h"
 #include "base/types.h"
 #include "materials/material.h"
 
 namespace palpate {
+
+/// Which parts of an organ touch each other.
+enum class TouchingParts : char {
+  none,
+  /// Each part touches the others.
+  others,
+  /// Each part touches the others and itself.
+  all
+};
 
 struct Organ {
   /// The different materials of its tissues; at least one.
@@ -17,6 +27,10 @@ struct Organ {
   std::vector<double> densities;
   /// g, m/s²; zero: there is none.
   Vec3 body_force = Vec3::Zero();
+  /// Which parts touch each other (Body::part_of_cell), and how strongly (soft_contact.h).
+  TouchingParts touching = TouchingParts::none;
+  /// The law of their contact; it has no offset.
+  ContactLaw contact;
 
   [[nodiscard]] bool has_body_force() const { return !body_force.isZero(0); }
 };

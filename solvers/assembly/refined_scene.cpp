@@ -58,11 +58,12 @@ class Transfer {
     if (!old.applied_traction.empty()) {
       body_.applied_traction.resize(body_.mesh.points.size(), Vec3::Zero());
     }
-    if (!old.material_of_cell.empty()) {
-      for (const Index parent : refinement.parents) {
-        body_.material_of_cell.push_back(old.material_of_cell[parent]);
-      }
-    }
+    const auto inherit = [&](std::vector<Index>& to, const std::vector<Index>& from) {
+      if (from.empty()) return;
+      for (const Index parent : refinement.parents) to.push_back(from[parent]);
+    };
+    inherit(body_.material_of_cell, old.material_of_cell);
+    inherit(body_.part_of_cell, old.part_of_cell);
   }
 
   Body run() {

@@ -15,6 +15,30 @@ namespace palpate {
 
 namespace {
 
+void check_contact(const Scene& scene) {
+  const Body& body = scene.body;
+  if (!body.part_of_cell.empty() &&
+      body.part_of_cell.size() != static_cast<std::size_t>(body.mesh.num_cells())) {
+    throw InputError("The body has " + std::to_string(body.mesh.num_cells()) + " cells, but " +
+                     std::to_string(body.part_of_cell.size()) + " of them have a part.");
+  }
+  if (scene.organ.touching == TouchingParts::none) return;
+  validate(scene.organ.contact);
+  if (scene.organ.contact.offset != 0) {
+    throw InputError("The contact of parts with each other has no offset.");
+  }
+  if (scene.organ.touching != TouchingParts::others) return;
+  const auto& parts = body.part_of_cell;
+  const bool is_one_part = parts.empty() || std::all_of(parts.begin(), parts.end(), [&](Index p) {
+                             return p == parts.front();
+                           });
+  if (is_one_part) {
+    throw InputError(
+        "Parts are to touch each other, but the body has one part only. Give it more parts, or let "
+        "it touch itself too.");
+  }
+}
+
 void check_body_force(const Organ& organ) {
   if (!organ.body_force.allFinite()) {
     throw InputError("BodyForce has a component that is no number.");
@@ -99,6 +123,7 @@ void check(Scene& scene) {
   }
   check_body_force(organ);
   check_surface_loads(body);
+  check_contact(scene);
 }
 
 std::string hash(const Scene& scene) {
@@ -137,6 +162,12 @@ std::string hash(const Scene& scene) {
     add_array(scene.body.support_stiffness);
     add_array(scene.body.applied_pressure);
     add_array(scene.body.applied_traction);
+  }
+  if (scene.organ.touching != TouchingParts::none) {
+    add_number(static_cast<std::int64_t>(scene.organ.touching));
+    add(&scene.organ.contact.thickness, sizeof(double));
+    add(&scene.organ.contact.stiffness, sizeof(double));
+    for (Index c = 0; c < mesh.num_cells(); ++c) add_number(scene.body.part_of(c));
   }
   const XXH128_hash_t digest = XXH3_128bits_digest(state.get());
   char text[33];

@@ -31,13 +31,13 @@ struct Scene {
 [[nodiscard]] Scene with_gravity(Scene scene, const std::vector<Rheology>& rheologies,
                                  const Vec3& gravity);
 
-/// Checks the mesh (and orients its cells), the sizes of the arrays, that the body is held, and its
-/// loads. Directions become orthonormal, and arrays of zeros empty.
+/// Checks the mesh (and orients its cells), the sizes of the arrays, that the body is held, its
+/// loads, and the contact of its parts. Directions become orthonormal, and arrays of zeros empty.
 /// @throws InputError says what is wrong, where, and what to do.
 void check(Scene& scene);
 
 /// 128-bit hash (XXH3, hexadecimal) of mesh, materials and boundary, and of body force, densities,
-/// supports and loads if there are any: two scenes with the same hash have the same equilibria.
+/// supports, loads and contact of parts if there are any: two scenes with the same hash have the same equilibria.
 /// `touchable` changes no equilibrium, so it is not part of the hash.
 [[nodiscard]] std::string hash(const Scene& scene);
 

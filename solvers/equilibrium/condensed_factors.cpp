@@ -40,7 +40,6 @@ void CondensedSystem::take_solver(std::unique_ptr<LinearSolver> solver) {
     most_shared_ = RestFactor::most_held(*solver, pattern().size);
   }
   spare_solver_ = std::move(solver);
-  factors_.reserve(kept_factors_);  // so that pointers to them stay valid
 }
 
 TangentFactor* CondensedSystem::find_factor(const Eigen::VectorXd& q, const NodalVector& state) {
@@ -64,12 +63,28 @@ void CondensedSystem::forget(const Eigen::VectorXd& q, const NodalVector& state)
   if (KeptFactor* factor = find_kept_factor(q, state)) factor->state.resize(0);
 }
 
+LinearSolver& CondensedSystem::any_solver() {
+  return rest_factor_ != nullptr ? rest_factor_->solver() : *factors_.front().solver;
+}
+
+LinearSolver* CondensedSystem::analysed_solver() {
+  if (rest_factor_ != nullptr && pattern_age_of_rest_factor_ == pattern_age_) {
+    return &rest_factor_->solver();
+  }
+  const auto found = std::find_if(factors_.begin(), factors_.end(), [&](const KeptFactor& factor) {
+    return factor.pattern_age == pattern_age_;
+  });
+  return found != factors_.end() ? found->solver.get() : nullptr;
+}
+
 LinearSolver& CondensedSystem::spare_solver() {
   if (spare_solver_ == nullptr) {
-    const Timer timer(work_.analysis_seconds);
-    LinearSolver& other =
-        rest_factor_ != nullptr ? rest_factor_->solver() : *factors_.front().solver;
-    spare_solver_ = other.another();
+    if (const LinearSolver* other = analysed_solver()) {
+      const Timer timer(work_.analysis_seconds);
+      spare_solver_ = other->another();
+    } else {
+      take_solver(any_solver().another());
+    }
   }
   return *spare_solver_;
 }
@@ -81,7 +96,7 @@ CondensedSystem::KeptFactor& CondensedSystem::factor_to_replace() {
   const std::size_t others = is_shared_ == true ? 1 : 0;
   if (factors_.size() + others < kept_factors_) {
     (void)spare_solver();
-    return factors_.emplace_back(std::move(spare_solver_));
+    return factors_.emplace_back(std::move(spare_solver_), pattern_age_);
   }
   return *std::min_element(
       factors_.begin(), factors_.end(),
@@ -120,13 +135,15 @@ void CondensedSystem::make_rest_factor() {
   body_floats_ = solver.factorise(terms_.empty() ? undeformed_ : with_terms) != FactorStatus::ok;
   if (body_floats_) return;
   rest_factor_ = std::make_unique<RestFactor>(std::move(spare_solver_), pattern().size);
+  pattern_age_of_rest_factor_ = pattern_age_;
 }
 
 void CondensedSystem::drop_rest_factor() {
   is_shared_.reset();
   body_floats_ = false;
   if (rest_factor_ == nullptr) return;
-  if (spare_solver_ == nullptr) spare_solver_ = rest_factor_->release();
+  const bool is_current = pattern_age_of_rest_factor_ == pattern_age_;
+  if (spare_solver_ == nullptr && is_current) spare_solver_ = rest_factor_->release();
   rest_factor_.reset();
 }
 
@@ -155,7 +172,6 @@ TangentFactor* CondensedSystem::factorise(const CondensedTangent& tangent) {
 }
 
 void CondensedSystem::begin_solve() {
-  take_couplings();
   if (krylov_ != nullptr) krylov_->begin_solve();
   single_fails_ = false;
   for (KeptFactor& factor : factors_) {
@@ -195,6 +211,11 @@ CondensedSystem::KeptFactor* CondensedSystem::factorise_alone(const CondensedTan
   KeptFactor& factor = factor_to_replace();
   factor.state.resize(0);
   factor.is_provisional = false;
+  if (factor.pattern_age != pattern_age_) {
+    (void)spare_solver();
+    factor.solver = std::move(spare_solver_);
+    factor.pattern_age = pattern_age_;
+  }
   const Timer timer(work_.factorisation_seconds);
   ++work_.factorisations;
   if (factor.solver->factorise(tangent.values, precision) != FactorStatus::ok) return nullptr;

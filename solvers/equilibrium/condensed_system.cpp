@@ -42,7 +42,9 @@ CondensedSystem::CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolve
       kept_factors_(static_cast<std::size_t>(kept_factors)),
       precision_(is_saddle() ? Precision::full : precision) {
   for (const EnergyTerm* term : terms) {
-    if (pattern_.add(term->couplings())) constraints_.set_pattern(pattern());
+    PairBlocks at_rest;
+    term->take_blocks(rest_, at_rest);
+    if (pattern_.add(at_rest.pairs)) constraints_.set_pattern(pattern());
   }
   if (solver != nullptr) {
     take_solver(std::move(solver));
@@ -66,7 +68,7 @@ void CondensedSystem::measure_stiffness() {
 
 void CondensedSystem::set_terms(std::vector<const EnergyTerm*> terms) {
   terms_ = std::move(terms);
-  take_couplings();
+  places_of_terms_.assign(terms_.size(), {});
   measure_stiffness();
   for (KeptFactor& factor : factors_) factor.state.resize(0);
   drop_rest_factor();
@@ -84,42 +86,41 @@ void CondensedSystem::set_rest(const NodalVector& state) {
   if (!terms_.empty()) rest_stability_.reset();
 }
 
-void CondensedSystem::take_couplings() {
-  std::vector<std::vector<PointPair>> couplings;
-  bool has_changed = places_of_terms_.size() != terms_.size();
-  for (std::size_t i = 0; i < terms_.size(); ++i) {
-    couplings.push_back(terms_[i]->couplings());
-    has_changed = has_changed || couplings[i] != places_of_terms_[i].pairs();
-  }
-  if (!has_changed) return;
+std::vector<PairBlocks> CondensedSystem::blocks_of_terms(const NodalVector& state) {
+  std::vector<PairBlocks> blocks(terms_.size());
   bool has_grown = false;
-  for (const auto& of_term : couplings) has_grown = pattern_.add(of_term) || has_grown;
-  place_terms(std::move(couplings));
-  if (!has_grown) return;
-  analyse_anew();
-  if (interaction_ != nullptr) place_tool();
-}
-
-void CondensedSystem::place_terms(std::vector<std::vector<PointPair>> couplings) {
-  places_of_terms_.clear();
-  for (auto& of_term : couplings) {
-    places_of_terms_.emplace_back(std::move(of_term), assembly_, pattern());
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    terms_[i]->take_blocks(state, blocks[i]);
+    has_grown = pattern_.add(blocks[i].pairs) || has_grown;
   }
+  if (has_grown) {
+    analyse_anew();
+    if (interaction_ != nullptr) place_tool();
+  }
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    if (places_of_terms_[i].pairs() != blocks[i].pairs) {
+      places_of_terms_[i] = PairPlaces(blocks[i].pairs, assembly_, pattern());
+    }
+  }
+  return blocks;
 }
 
 void CondensedSystem::analyse_anew() {
+  places_of_terms_.assign(terms_.size(), {});
   constraints_.set_pattern(pattern());
+  ++pattern_age_;
+  if (krylov_ == nullptr) {
+    std::unique_ptr<LinearSolver> solver =
+        spare_solver_ != nullptr ? std::move(spare_solver_) : any_solver().another();
+    // Factors that were made before stay those of the tangents at their states.
+    factors_.remove_if([](const KeptFactor& factor) { return factor.state.size() == 0; });
+    take_solver(std::move(solver));
+  }
   measure_stiffness();
   has_tangent_ = false;
   if (krylov_ != nullptr) {
     krylov_ = std::make_unique<KrylovTangent>(mesh_, assembly_, pattern(), undeformed_);
-    return;
   }
-  drop_rest_factor();
-  if (spare_solver_ == nullptr) spare_solver_ = std::move(factors_.front().solver);
-  factors_.clear();
-  rest_is_safe_.reset();
-  take_solver(std::move(spare_solver_));
 }
 
 std::vector<char> CondensedSystem::find_idle_multipliers() const {
@@ -173,9 +174,7 @@ void CondensedSystem::set_interaction(const Interaction& interaction) {
   has_tangent_ = false;
   for (KeptFactor& factor : factors_) factor.state.resize(0);
   if (pattern_.add(interaction_->couplings())) {
-    std::vector<std::vector<PointPair>> of_terms;
-    for (const PairPlaces& places : places_of_terms_) of_terms.push_back(places.pairs());
-    place_terms(std::move(of_terms));
+    drop_rest_factor();
     analyse_anew();
   }
   place_tool();
@@ -225,6 +224,14 @@ double CondensedSystem::longest_step() const {
   double longest = interaction_ == nullptr ? std::numeric_limits<double>::infinity()
                                            : interaction_->longest_step();
   for (const EnergyTerm* term : terms_) longest = std::min(longest, term->longest_step());
+  return longest;
+}
+
+double CondensedSystem::longest_share(const NodalVector& state, const NodalVector& step) const {
+  double longest = 1;
+  for (const EnergyTerm* term : terms_) {
+    longest = std::min(longest, term->longest_share(state, step));
+  }
   return longest;
 }
 
@@ -318,18 +325,13 @@ NodalVector CondensedSystem::as_state(const Eigen::VectorXd& unknowns) const {
 void CondensedSystem::assemble(const NodalVector& state, std::vector<double>& values) {
   const Timer timer(work_.assembly_seconds);
   ++work_.assemblies;
+  const std::vector<PairBlocks> blocks = blocks_of_terms(state);
   NodalVector force;
   std::vector<double>& of_materials = pattern_.has_grown() ? of_materials_ : values;
   assembly_.tangent(state, force, of_materials);
   (void)add_terms(state, force, &of_materials);
   if (pattern_.has_grown()) pattern_.spread(of_materials_, values);
-  for (std::size_t i = 0; i < places_of_terms_.size(); ++i) {
-    const PairPlaces& places = places_of_terms_[i];
-    if (places.pairs().empty()) continue;
-    blocks_.resize(places.pairs().size());
-    terms_[i]->take_blocks(state, blocks_);
-    places.add(blocks_, values);
-  }
+  for (std::size_t i = 0; i < blocks.size(); ++i) places_of_terms_[i].add(blocks[i].values, values);
 }
 
 double CondensedSystem::add_terms(const NodalVector& state, NodalVector& force,

@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <limits>
+#include <list>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -130,6 +131,8 @@ class CondensedSystem {
   void set_rest_stability(const RestStability& stability) { rest_stability_ = stability; }
   /// How far the tool, or a point of the body, may move in one step of a solve, m.
   [[nodiscard]] double longest_step() const;
+  /// The largest share of a step of the body, at most 1, in which no term misses anything.
+  [[nodiscard]] double longest_share(const NodalVector& state, const NodalVector& step) const;
   /// Whether tangents are solved for by iteration. Functions that need a factor must not be called
   /// then.
   [[nodiscard]] bool is_iterative() const { return krylov_ != nullptr; }
@@ -241,12 +244,15 @@ class CondensedSystem {
   /// A factor for the present tool, with the place of the tool and the state to which it belongs.
   /// If the state is empty, there is no factor.
   struct KeptFactor final : TangentFactor {
-    explicit KeptFactor(std::unique_ptr<LinearSolver> with) : solver(std::move(with)) {}
+    KeptFactor(std::unique_ptr<LinearSolver> with, long age)
+        : solver(std::move(with)), pattern_age(age) {}
     void solve(Eigen::Ref<Eigen::MatrixXd> columns) override { solver->solve(columns); }
     [[nodiscard]] int negative_pivots() const override { return solver->negative_pivots(); }
     [[nodiscard]] bool is_rough() const override { return solver->is_single(); }
 
     std::unique_ptr<LinearSolver> solver;
+    /// The age of the pattern that the solver has analysed.
+    long pattern_age = 0;
     Eigen::VectorXd q;
     NodalVector state;
     /// Whether single precision was not tried, since it had failed before in the same solve.
@@ -261,12 +267,11 @@ class CondensedSystem {
   }
   /// Takes the solver and lets it analyse the pattern.
   void take_solver(std::unique_ptr<LinearSolver> solver);
-  /// Makes room for the pairs of points that the terms couple now.
-  void take_couplings();
-  /// Finds the places of the blocks of the terms.
-  /// @param couplings The pairs of each term.
-  void place_terms(std::vector<std::vector<PointPair>> couplings);
-  /// Prepares for a pattern that has grown. All factors are gone.
+  /// The blocks of each term at a state. Makes room for them on the pattern, and finds their
+  /// places.
+  [[nodiscard]] std::vector<PairBlocks> blocks_of_terms(const NodalVector& state);
+  /// Prepares for a pattern that has grown. What comes from now on is on the new pattern; factors
+  /// that are kept stay valid.
   void analyse_anew();
   /// Finds the values of the pattern that belong to unknowns which the tool holds.
   void place_tool();
@@ -295,6 +300,10 @@ class CondensedSystem {
   [[nodiscard]] KeptFactor* factorise_alone(const CondensedTangent& tangent, Precision precision);
   [[nodiscard]] KeptFactor* find_kept_factor(const Eigen::VectorXd& q, const NodalVector& state);
   KeptFactor& factor_to_replace();
+  /// One of the solvers; there is always one.
+  [[nodiscard]] LinearSolver& any_solver();
+  /// A solver that has analysed the present pattern; null: there is none.
+  [[nodiscard]] LinearSolver* analysed_solver();
   /// Returns spare_solver_, and creates it if there is none.
   LinearSolver& spare_solver();
   [[nodiscard]] std::vector<char> find_idle_multipliers() const;
@@ -305,9 +314,8 @@ class CondensedSystem {
   SystemPattern pattern_;
   DirectionConstraints constraints_;
   std::vector<const EnergyTerm*> terms_;
-  /// The places of the blocks of each term, and room for the blocks of one.
+  /// The places of the blocks of each term.
   std::vector<PairPlaces> places_of_terms_;
-  std::vector<Mat3> blocks_;
   /// Room for values on the pattern of the materials, if that of the system is larger.
   std::vector<double> of_materials_;
   NodalVector rest_;
@@ -323,12 +331,15 @@ class CondensedSystem {
   /// Whether a tangent of this solve was not safe in single precision. Later ones are unlikely to
   /// be safe, so single precision is not tried for them.
   bool single_fails_ = false;
-  std::vector<KeptFactor> factors_;
+  std::list<KeptFactor> factors_;
+  /// How often the pattern has grown.
+  long pattern_age_ = 0;
   /// A solver that has analysed the pattern and whose factor, if any, is not needed; null: there is
   /// none.
   std::unique_ptr<LinearSolver> spare_solver_;
   /// The factor at rest; null until it is needed, or if it cannot be made.
   std::unique_ptr<RestFactor> rest_factor_;
+  long pattern_age_of_rest_factor_ = 0;
   /// The largest number of held unknowns for which the factor at rest is used.
   Index most_shared_ = 0;
   /// Whether the tangent at rest is singular when nothing is held.

@@ -101,6 +101,7 @@ double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::Ve
     const Eigen::Index displacements = 3 * Eigen::Index{system.assembly().num_points()};
     length = std::min(1.0, longest / direction.head(displacements).lpNorm<Eigen::Infinity>());
   }
+  length = std::min(length, system.longest_share(old.state, direction));
   OnLine low{0, old.energy, slope};
   std::optional<OnLine> high;
   int refinements = 0;

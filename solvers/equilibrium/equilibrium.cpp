@@ -19,6 +19,7 @@
 #include "equilibrium/third_derivative.h"
 #include "interaction/held_points.h"
 #include "interaction/interaction_list.h"
+#include "soft_contact/soft_contact.h"
 #include "threads/thread_team.h"
 
 namespace palpate {
@@ -114,12 +115,16 @@ class EquilibriumSolver::Impl {
        const std::vector<const EnergyTerm*>& terms, std::unique_ptr<Team> team)
       : options_(std::move(options)),
         team_(std::move(team)),
+        contact_(scene.organ.touching == TouchingParts::none
+                     ? nullptr
+                     : std::make_unique<const SoftContact>(scene)),
         system_(scene, std::move(solver), options_.kept_factors,
-                options_.single_precision ? Precision::single_if_safe : Precision::full, terms),
+                options_.single_precision ? Precision::single_if_safe : Precision::full,
+                with_contact(terms)),
         support_(scene.body.mesh, system_.holding_points()),
         rest_(NodalVector::Zero(system_.assembly().state_size())) {
     settled_.outcome = Outcome::converged;
-    if (scene.has_load() || !scene.body.support_stiffness.empty() || !terms.empty()) {
+    if (scene.has_load() || !scene.body.support_stiffness.empty() || !with_contact(terms).empty()) {
       set_external(scene, terms);
     }
   }
@@ -160,6 +165,9 @@ class EquilibriumSolver::Impl {
   };
 
   void begin();
+  /// The contact of the parts with each other, if they have one, and further terms.
+  [[nodiscard]] std::vector<const EnergyTerm*> with_contact(
+      const std::vector<const EnergyTerm*>& terms) const;
   /// Finds the rest of the body under its loads and springs and with further terms.
   void set_external(const Scene& scene, const std::vector<const EnergyTerm*>& terms);
   void require_coordinates(const Eigen::VectorXd& t) const;
@@ -202,6 +210,8 @@ class EquilibriumSolver::Impl {
 
   EquilibriumOptions options_;
   std::unique_ptr<Team> team_;
+  /// The contact of the parts with each other; null: they have none.
+  std::unique_ptr<const SoftContact> contact_;
   CondensedSystem system_;
   PieceSupport support_;
   /// The points that the tool prescribes.
@@ -220,6 +230,13 @@ class EquilibriumSolver::Impl {
 void EquilibriumSolver::Impl::begin() {
   start_ = SteadyClock::now();
   system_.begin_solve();
+}
+
+std::vector<const EnergyTerm*> EquilibriumSolver::Impl::with_contact(
+    const std::vector<const EnergyTerm*>& terms) const {
+  std::vector<const EnergyTerm*> all = terms;
+  if (contact_ != nullptr) all.insert(all.begin(), contact_.get());
+  return all;
 }
 
 void EquilibriumSolver::Impl::require_coordinates(const Eigen::VectorXd& t) const {
@@ -245,8 +262,8 @@ void EquilibriumSolver::Impl::set_external(const Scene& scene,
   begin();
   const Assembly& assembly = system_.assembly();
   external_.emplace(scene, assembly);
-  std::vector<const EnergyTerm*> all{&*external_};
-  all.insert(all.end(), terms.begin(), terms.end());
+  std::vector<const EnergyTerm*> all = with_contact(terms);
+  all.insert(all.begin(), &*external_);
   system_.set_terms(std::move(all));
   system_.set_interaction(InteractionList());
   if (!scene.has_load() && terms.empty()) {
@@ -267,7 +284,9 @@ void EquilibriumSolver::Impl::set_external(const Scene& scene,
   const double of_materials = assembly.residual(rest_, force).energy;
   const double of_external = external_->add(rest_, force, nullptr);
   double of_terms = 0;
-  for (const EnergyTerm* term : terms) of_terms += term->add(rest_, force, nullptr);
+  for (const EnergyTerm* term : with_contact(terms)) {
+    of_terms += term->add(rest_, force, nullptr);
+  }
   system_.set_energies_at_rest(std::abs(of_materials) + std::abs(of_external) + std::abs(of_terms));
   external_->count_from(rest_, of_materials + of_terms);
   rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_).energy;
@@ -361,6 +380,7 @@ std::optional<NodalVector> EquilibriumSolver::Impl::predict(double stride,
     predicted = system_.evaluate(next_t, curved).is_finite() ? curved : predicted;
   }
   system_.prescribe(next_t, predicted);
+  if (system_.longest_share(here, predicted - here) < 1) return std::nullopt;
   if (system_.evaluate(next_t, predicted).is_finite()) return predicted;
   return std::nullopt;
 }

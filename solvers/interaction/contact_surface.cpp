@@ -6,65 +6,12 @@
 #include <cmath>
 #include <string>
 
+#include "assembly/loaded_faces.h"
 #include "base/error.h"
 #include "base/quantity.h"
 
 namespace palpate {
 namespace {
-
-/// Barycentric coordinates of the six points, and their shares of the area.
-struct RulePoint {
-  double a, b, share;
-};
-constexpr double kNear = 0.445948490915965;
-constexpr double kNearShare = 0.223381589678011;
-constexpr double kFar = 0.091576213509771;
-constexpr double kFarShare = 0.109951743655322;
-constexpr RulePoint kRule[6] = {
-    {kNear, kNear, kNearShare},         {1 - 2 * kNear, kNear, kNearShare},
-    {kNear, 1 - 2 * kNear, kNearShare}, {kFar, kFar, kFarShare},
-    {1 - 2 * kFar, kFar, kFarShare},    {kFar, 1 - 2 * kFar, kFarShare}};
-
-/// Calls visit(s, t, share) for each point of a face that is divided, with its barycentric
-/// coordinates 1 − s − t, s, t and its share of the face's area.
-template <class Visit>
-void for_each_point(int divisions, Visit&& visit) {
-  const double side = 1.0 / divisions;
-  for (int i = 0; i < divisions; ++i) {
-    for (int j = 0; i + j < divisions; ++j) {
-      for (const RulePoint& p : kRule) {
-        visit(side * (i + p.a), side * (j + p.b), side * side * p.share);
-        if (i + j + 1 < divisions) {
-          visit(side * (i + 1 - p.a), side * (j + 1 - p.b), side * side * p.share);
-        }
-      }
-    }
-  }
-}
-
-/// The shape functions at a point of a face, or with their derivatives by s and t.
-Eigen::RowVectorXd shape_at(int nodes, double s, double t) {
-  const double r = 1 - s - t;
-  Eigen::RowVectorXd n(nodes);
-  if (nodes == 3) {
-    n << r, s, t;
-  } else {
-    n << r * (2 * r - 1), s * (2 * s - 1), t * (2 * t - 1), 4 * r * s, 4 * s * t, 4 * t * r;
-  }
-  return n;
-}
-
-Eigen::MatrixXd slopes_at(int nodes, double s, double t) {
-  const double r = 1 - s - t;
-  Eigen::MatrixXd d(2, nodes);
-  if (nodes == 3) {
-    d << -1, 1, 0, -1, 0, 1;
-  } else {
-    d << 1 - 4 * r, 4 * s - 1, 0, 4 * (r - s), 4 * t, -4 * t,  //
-        1 - 4 * r, 0, 4 * t - 1, -4 * s, 4 * s, 4 * (r - t);
-  }
-  return d;
-}
 
 /// The number of parts into which an edge is divided for points of integration that are `spacing`
 /// apart.
@@ -104,6 +51,12 @@ ContactSurface::ContactSurface(const Body& body,
     : nodes_per_face_(palpate::nodes_per_face(body.mesh.order)), points_(body.mesh.points) {
   const std::vector<Index> faces = boundary_faces(body.mesh);
   const auto per_face = static_cast<std::size_t>(nodes_per_face_);
+  std::map<int, std::vector<FacePoint>> rules;
+  const auto rule_of = [&](int divisions) -> const std::vector<FacePoint>& {
+    std::vector<FacePoint>& rule = rules[divisions];
+    if (rule.empty()) rule = divided_quadrature(body.mesh.order, divisions);
+    return rule;
+  };
   for (std::size_t first = 0; first < faces.size(); first += per_face) {
     const Index* face = faces.data() + first;
     if (std::all_of(face, face + per_face, [&](Index p) { return body.fixed[p] != 0; })) continue;
@@ -114,23 +67,22 @@ ContactSurface::ContactSurface(const Body& body,
       longest = std::max(longest, (places.col(a) - places.col((a + 1) % 3)).norm());
     }
     const int divisions = divisions_for(longest);
+    const std::vector<FacePoint>& rule = rule_of(divisions);
     Eigen::MatrixXd& shape = shapes_[divisions];
     if (shape.size() == 0) {
-      shape.resize(6 * divisions * divisions, nodes_per_face_);
-      Eigen::Index row = 0;
-      for_each_point(divisions, [&](double s, double t, double /*share*/) {
-        shape.row(row++) = shape_at(nodes_per_face_, s, t);
-      });
+      shape.resize(static_cast<Eigen::Index>(rule.size()), nodes_per_face_);
+      for (std::size_t i = 0; i < rule.size(); ++i) {
+        shape.row(static_cast<Eigen::Index>(i)) = rule[i].values.transpose();
+      }
     }
     first_point_.push_back(weights_.size());
     Vec3 normal = Vec3::Zero();
-    for_each_point(divisions, [&](double s, double t, double share) {
-      const Eigen::Matrix<double, 3, 2> ways =
-          places * slopes_at(nodes_per_face_, s, t).transpose();
+    for (const FacePoint& point : rule) {
+      const Eigen::Matrix<double, 3, 2> ways = places * point.slopes;
       const Vec3 across = ways.col(0).cross(ways.col(1));
-      weights_.push_back(0.5 * share * across.norm());
-      normal += share * across;
-    });
+      weights_.push_back(point.weight * across.norm());
+      normal += point.weight * across;
+    }
     normals_.push_back(normal.normalized());
     longest_edges_.push_back(longest);
     divisions_.push_back(divisions);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The surface of a body that a tool may press, with the points at which contact is integrated. A
-// face is divided into n² triangles, each with the rule of six points that is exact for degree 4
-// (Dunavant, Int. J. Numer. Methods Eng. 21, 1985), since the scale of contact does not depend on
-// the size of the faces. Weights are areas at rest.
+// face is divided into triangles with a rule each (divided_quadrature()), since the scale of
+// contact does not depend on the size of the faces. Weights are areas at rest.
 #pragma once
 
 #include <Eigen/Core>

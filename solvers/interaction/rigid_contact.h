@@ -22,7 +22,7 @@
 
 #include <memory>
 
-#include "interaction/contact_law.h"
+#include "assembly/contact_law.h"
 #include "interaction/contact_surface.h"
 #include "interaction/interaction.h"
 #include "interaction/pose_map.h"

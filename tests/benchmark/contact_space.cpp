@@ -5,7 +5,8 @@
 //   OPENBLAS_NUM_THREADS=1 mpiexec -n 2 palpate_benchmark_contact_space scene.palpate
 //     [--radius 10] [--depth 8] [--spacing 4] [--tolerance 0] [--tests 2000] [--file space.palpate]
 //     [--method 4] [--node 0] [--region 0] [--single 1] [--newton 0] [--thickness 0] [--levels 1]
-//     [--seconds 0] [--sides 0] [--seed 2008] [--hand -1] [--states 500]
+//     [--seconds 0] [--sides 0] [--seed 2008] [--hand -1] [--around 0]
+//     [--states 500]
 //
 // Lengths in mm, the tolerance as a share of the largest force; where a region is given, the space
 // is of the surface within that distance of a point of the mesh; the layer of contact is the one
@@ -28,7 +29,8 @@
 //
 // With --hand the space is explored around a hand that rests at a point of the mesh and presses it
 // half as deep as the space goes, until so many states were solved for or none is left, and goes
-// into the file. What there is then is tested: give --seconds 1 too.
+// into the file. With --around the hand goes about all touchable points within that distance, again
+// and again. What there is then is tested: give --seconds 1 too.
 //
 // With --newton the transitions to so many configurations of the file are made by Newton's method
 // too, a factorisation at each iterate. Prints Markdown tables.
@@ -77,7 +79,7 @@ struct Arguments {
       {"radius", "10"}, {"depth", "8"},  {"spacing", "4"},   {"tolerance", "0"}, {"tests", "2000"},
       {"file", ""},     {"method", "4"}, {"node", "0"},      {"region", "0"},    {"single", "1"},
       {"newton", "0"},  {"levels", "1"}, {"thickness", "0"}, {"seconds", "0"},   {"sides", "0"},
-      {"seed", "2008"}, {"hand", "-1"},  {"states", "500"}};
+      {"seed", "2008"}, {"hand", "-1"},  {"around", "0"},    {"states", "500"}};
 
   Arguments(int argc, char** argv) {
     if (argc < 2 || argc % 2 != 0)
@@ -420,21 +422,44 @@ void print_newton(const PrecomputeOptions& options, const Scene& scene, const In
       1e3 * newton.work().floor_seconds(), each / newton.work().floor_seconds());
 }
 
-/// Explores a space around a hand that rests.
-void follow(const Scene& scene, const PrecomputeOptions& options, const Vec3& hand,
+/// Explores a space around a hand that goes from one of the places to the next, again and again.
+void follow(const Scene& scene, const PrecomputeOptions& options, const std::vector<Vec3>& hands,
             std::int64_t states) {
+  constexpr std::int64_t kStatesPerPlace = 25;
   FollowSession session(std::make_shared<const Scene>(scene), options);
-  session.follow(HandPrediction({hand, Vec3::Zero()}));
   Explorer explorer(session.job());
-  while (session.figures().num_solved < states) {
-    const std::optional<ExplorerTask> task = session.next();
-    if (!task) break;
-    (void)session.accept(explorer.make(*task));
+  std::size_t turn = 0;
+  std::size_t num_idle = 0;
+  while (session.figures().num_solved < states && num_idle < hands.size()) {
+    session.follow(HandPrediction({hands[turn++ % hands.size()], Vec3::Zero()}));
+    const std::int64_t until = session.figures().num_solved + kStatesPerPlace;
+    std::optional<ExplorerTask> task;
+    while (session.figures().num_solved < until && (task = session.next())) {
+      (void)session.accept(explorer.make(*task));
+    }
+    num_idle = task ? 0 : num_idle + 1;
   }
   const FollowSession::Figures figures = session.figures();
-  std::printf("%lld states around the hand in %.1f s\n\n",
-              static_cast<long long>(figures.num_solved), figures.seconds);
+  std::printf("%lld states around the hand, at %zu places, in %.1f s\n\n",
+              static_cast<long long>(figures.num_solved), hands.size(), figures.seconds);
   (void)session.finish();
+}
+
+/// A hand that presses at a point of the mesh, half as deep as the space goes; or, where a distance
+/// is given, at each touchable point within it, to each quarter of the depth.
+std::vector<Vec3> places_of_hand(const Scene& scene, const ToolClearance& clearance, Index node,
+                                 double distance, double depth) {
+  const std::vector<Vec3>& points = scene.body.mesh.points;
+  const auto pressed = [&](const Vec3& place, double share) {
+    return clearance.pressed(place, clearance.approach(place).out, share * depth);
+  };
+  if (!(distance > 0)) return {pressed(points[node], 0.5)};
+  std::vector<Vec3> result;
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    if (!scene.body.touchable[p] || (points[p] - points[node]).norm() > distance) continue;
+    for (const double share : {0.25, 0.5, 0.75, 1.0}) result.push_back(pressed(points[p], share));
+  }
+  return result;
 }
 
 void measure(const Arguments& arguments, Communicator& world) {
@@ -474,10 +499,10 @@ void measure(const Arguments& arguments, Communicator& world) {
   const InteractionSpec spec = rigid_contact_spec(tool);
   const auto clearance = tools.clearance(spec);
   if (const auto node = static_cast<Index>(arguments.number("hand")); node >= 0) {
-    const Vec3 place = scene.body.mesh.points[node];
-    const Vec3 hand = clearance->pressed(place, clearance->approach(place).out,
-                                         0.5 * options.contact->shell.depth);
-    follow(scene, options, hand, static_cast<std::int64_t>(arguments.number("states")));
+    follow(scene, options,
+           places_of_hand(scene, *clearance, node, 1e-3 * arguments.number("around"),
+                          options.contact->shell.depth),
+           static_cast<std::int64_t>(arguments.number("states")));
   }
   const PrecomputeResult result = precompute(scene, options, world, progress);
   const PrecomputeReport& report = result.report;

@@ -147,12 +147,13 @@ TetMesh make_sliver_box(ElementOrder order, double degrees, double size) {
   return order == ElementOrder::linear ? mesh : with_midside_nodes(mesh);
 }
 
-void add_copy(TetMesh& mesh, const Vec3& shift) {
+void append(TetMesh& mesh, const TetMesh& other, const Vec3& shift) {
   const Index num_points = mesh.num_points();
-  const std::vector<Index> cells = mesh.cells;
-  for (Index p = 0; p < num_points; ++p) mesh.points.push_back(mesh.points[p] + shift);
-  for (Index p : cells) mesh.cells.push_back(p + num_points);
+  for (const Vec3& point : other.points) mesh.points.push_back(point + shift);
+  for (Index p : other.cells) mesh.cells.push_back(p + num_points);
 }
+
+void add_copy(TetMesh& mesh, const Vec3& shift) { append(mesh, TetMesh(mesh), shift); }
 
 Roof make_roof(const RoofOptions& options) {
   // In the parameters: angle in units of the half angle and length in units of half of it, both

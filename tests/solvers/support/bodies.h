@@ -42,6 +42,9 @@ void put_inside(Scene& scene, const Material& other,
 /// Largest ratio of the longest edge to the least height, by the corners.
 [[nodiscard]] double largest_aspect_ratio(const TetMesh& mesh);
 
+/// Adds another mesh of the same order, moved by `shift`, that shares no point with the first.
+void append(TetMesh& mesh, const TetMesh& other, const Vec3& shift);
+
 /// Adds a copy of the mesh, moved by `shift`, that shares no point with it.
 void add_copy(TetMesh& mesh, const Vec3& shift);
 

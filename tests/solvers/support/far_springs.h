@@ -58,24 +58,19 @@ class FarSprings final : public EnergyTerm {
     return energy;
   }
 
-  [[nodiscard]] std::vector<PointPair> couplings() const override {
-    std::vector<PointPair> pairs = spare_;
-    pairs.push_back(skewed_);
-    for (const Spring& s : springs_) {
-      pairs.insert(pairs.end(), {{s.a, s.b}, {s.a, s.a}, {s.b, s.b}});
-    }
-    return pairs;
-  }
-
-  void take_blocks(const NodalVector& state, std::vector<Mat3>& blocks) const override {
-    std::size_t at = 0;
-    for (; at < spare_.size(); ++at) blocks[at].setZero();
-    blocks[at++] = skew_;
+  void take_blocks(const NodalVector& state, PairBlocks& blocks) const override {
+    blocks.pairs = spare_;
+    blocks.values.assign(spare_.size(), Mat3::Zero());
+    const auto add = [&](Index a, Index b, const Mat3& block) {
+      blocks.pairs.push_back({a, b});
+      blocks.values.push_back(block);
+    };
+    add(skewed_.a, skewed_.b, skew_);
     for (const Spring& s : springs_) {
       const Mat3 block = block_of(state, s);
-      blocks[at++] = -block;
-      blocks[at++] = block;
-      blocks[at++] = block;
+      add(s.a, s.b, -block);
+      add(s.a, s.a, block);
+      add(s.b, s.b, block);
     }
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "interaction/contact_law.h"
+#include "assembly/contact_law.h"
 
 #include <cmath>
 

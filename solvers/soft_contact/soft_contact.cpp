@@ -1,0 +1,629 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "soft_contact/soft_contact.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+
+#include "base/error.h"
+#include "base/quantity.h"
+#include "mesh/box_tree.h"
+
+namespace palpate {
+namespace {
+
+/// ρ in thicknesses of the layer, and at least in distances of points.
+constexpr double kReachOfThickness = 2;
+constexpr double kReachOfSpacing = 2.8;
+/// The distance of points, in thicknesses and at least in mean edges of the surface.
+constexpr double kSpacing = 0.7;
+constexpr double kSpacingOfEdge = 1 / 7.5;
+/// −n_i · n_j from which on two points face each other fully.
+constexpr double kFacing = 0.5;
+/// S₀ as a share of S beside a plane.
+constexpr double kLeastCover = 0.05;
+/// How far beyond ρ neighbours are searched for, in ρ.
+constexpr double kMargin = 0.25;
+/// No point of a face moves by more than this times its farthest node: Σ |N_a| ≤ 5/3.
+constexpr double kNodeToPoint = 5.0 / 3;
+
+/// A step from 0 to 1 with three derivatives that are continuous, t⁴ (35 − 84 t + 70 t² − 20 t³).
+struct Step {
+  double value, slope, curvature;
+};
+
+Step smooth_step(double t) {
+  if (t <= 0) return {0, 0, 0};
+  if (t >= 1) return {1, 0, 0};
+  const double r = 1 - t;
+  const double t3 = t * t * t;
+  return {t3 * t * (35 + t * (-84 + t * (70 - 20 * t))), 140 * t3 * r * r * r,
+          420 * t * t * r * r * (1 - 2 * t)};
+}
+
+double mean_edge(const ContactPoints& points) {
+  double sum = 0;
+  for (Index f = 0; f < points.num_faces(); ++f) {
+    const Index* nodes = points.nodes(f);
+    for (int a = 0; a < 3; ++a) {
+      sum += (points.rest()[nodes[a]] - points.rest()[nodes[(a + 1) % 3]]).norm();
+    }
+  }
+  return sum / (3 * points.num_faces());
+}
+
+double spacing_for(const Scene& scene) {
+  const double edge = mean_edge(ContactPoints(scene.body, std::numeric_limits<double>::max()));
+  return std::max(kSpacing * scene.organ.contact.thickness, kSpacingOfEdge * edge);
+}
+
+}  // namespace
+
+/// The faces that have others in reach are numbered; so are their points, face by face.
+struct SoftContact::Neighbours {
+  struct Other {
+    /// The number of a point.
+    std::uint32_t point;
+    /// The place of its face among the other faces of this one.
+    std::uint32_t slot;
+  };
+
+  /// The places of the nodes for which this was found, as displacements, m.
+  NodalVector reference;
+  std::vector<Index> faces;
+  /// The number of the first point of each face [faces + 1].
+  std::vector<std::uint32_t> first_point;
+  /// Where the others of each point begin [points + 1].
+  std::vector<std::size_t> first_other;
+  std::vector<Other> others;
+
+  /// The nodes of a face, followed by those of its other faces, each once.
+  struct Local {
+    std::vector<Index> nodes;
+    /// The places of the nodes of each other face in `nodes` [slots × nodes per face].
+    std::vector<std::uint16_t> of_slots;
+    /// The place of each two of `nodes`, a ≥ b, among the pairs [n (n + 1) / 2].
+    std::vector<Index> pairs;
+  };
+  std::vector<Local> local;
+  std::vector<PointPair> pairs;
+};
+
+/// A numbered point in a state.
+struct SoftContact::NearPoint : PointFeatures {
+  Index point;
+  double area;
+};
+
+SoftContact::SoftContact(const Scene& scene)
+    : points_(scene.body, spacing_for(scene)),
+      with_themselves_(scene.organ.touching == TouchingParts::all),
+      law_(scene.organ.contact),
+      reach_(std::max(kReachOfThickness * law_.thickness, kReachOfSpacing * spacing_for(scene))),
+      least_sum_(kLeastCover * M_PI * reach_ * reach_ / 5),
+      offsets_(static_cast<std::size_t>(points_.num_points()), 0.0) {
+  validate(law_);
+  set_offsets();
+}
+
+SoftContact::~SoftContact() = default;
+
+bool SoftContact::may_touch(Index face, Index other) const {
+  if (face == other || (points_.is_fixed(face) && points_.is_fixed(other))) return false;
+  return with_themselves_ || points_.part(face) != points_.part(other);
+}
+
+std::shared_ptr<const SoftContact::Neighbours> SoftContact::find_neighbours(
+    const NodalVector& state) const {
+  auto found = std::make_shared<Neighbours>();
+  found->reference = state;
+  const double reach = (1 + kMargin) * reach_;
+  const Index num_faces = points_.num_faces();
+  std::vector<Vec3> places;
+  std::vector<Vec3> normals;
+  places.reserve(static_cast<std::size_t>(points_.num_points()));
+  std::vector<BoxTree::Box> boxes(static_cast<std::size_t>(num_faces));
+  for (Index f = 0; f < num_faces; ++f) {
+    for (Index p = points_.first_point(f); p < points_.first_point(f + 1); ++p) {
+      places.push_back(points_.features(p, state).place);
+      boxes[f].extend(places.back());
+    }
+  }
+  const BoxTree tree(boxes);
+  // Point by point, face by face; faces without others are left out afterwards.
+  std::vector<std::vector<Index>> others_of_face(boxes.size());
+  for (Index f = 0; f < num_faces; ++f) {
+    BoxTree::Box box = boxes[f];
+    box.min().array() -= reach;
+    box.max().array() += reach;
+    tree.for_overlapping(box, [&](Index place) {
+      const Index other = tree.order()[place];
+      if (may_touch(f, other) && box.intersects(boxes[other])) {
+        others_of_face[f].push_back(other);
+      }
+    });
+    std::sort(others_of_face[f].begin(), others_of_face[f].end());
+  }
+  struct Found {
+    Index point;
+    std::uint32_t slot;
+  };
+  std::vector<Found> others;
+  std::vector<Index> number(static_cast<std::size_t>(points_.num_points()), -1);
+  std::vector<Index> kept;
+  std::vector<std::uint32_t> slot_of;
+  std::uint32_t num_points = 0;
+  found->first_other.push_back(0);
+  for (Index f = 0; f < num_faces; ++f) {
+    if (others_of_face[f].empty()) continue;
+    const std::size_t first = others.size();
+    const std::size_t first_list = found->first_other.size();
+    slot_of.assign(others_of_face[f].size(), 0);
+    std::vector<char> is_used(others_of_face[f].size(), 0);
+    for (Index p = points_.first_point(f); p < points_.first_point(f + 1); ++p) {
+      for (std::size_t s = 0; s < others_of_face[f].size(); ++s) {
+        const Index other = others_of_face[f][s];
+        if (boxes[other].squaredExteriorDistance(places[p]) >= reach * reach) continue;
+        for (Index q = points_.first_point(other); q < points_.first_point(other + 1); ++q) {
+          if ((places[p] - places[q]).squaredNorm() >= reach * reach) continue;
+          others.push_back({q, static_cast<std::uint32_t>(s)});
+          is_used[s] = 1;
+        }
+      }
+      found->first_other.push_back(others.size());
+    }
+    if (others.size() == first) {
+      found->first_other.resize(first_list);
+      continue;
+    }
+    kept.clear();
+    for (std::size_t s = 0; s < is_used.size(); ++s) {
+      slot_of[s] = static_cast<std::uint32_t>(kept.size());
+      if (is_used[s] != 0) kept.push_back(others_of_face[f][s]);
+    }
+    for (std::size_t i = first; i < others.size(); ++i) others[i].slot = slot_of[others[i].slot];
+    others_of_face[f] = kept;
+    found->faces.push_back(f);
+    found->first_point.push_back(num_points);
+    for (Index p = points_.first_point(f); p < points_.first_point(f + 1); ++p) {
+      number[p] = static_cast<Index>(num_points++);
+    }
+  }
+  found->first_point.push_back(num_points);
+  found->others.reserve(others.size());
+  for (const Found& other : others) {
+    found->others.push_back({static_cast<std::uint32_t>(number[other.point]), other.slot});
+  }
+
+  const int per_face = points_.nodes_per_face();
+  for (const Index f : found->faces) {
+    Neighbours::Local& local = found->local.emplace_back();
+    local.nodes.assign(points_.nodes(f), points_.nodes(f) + per_face);
+    for (const Index other : others_of_face[f]) {
+      for (int a = 0; a < per_face; ++a) {
+        const Index node = points_.nodes(other)[a];
+        const auto at = std::find(local.nodes.begin(), local.nodes.end(), node);
+        local.of_slots.push_back(static_cast<std::uint16_t>(at - local.nodes.begin()));
+        if (at == local.nodes.end()) local.nodes.push_back(node);
+      }
+    }
+    for (std::size_t a = 0; a < local.nodes.size(); ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        const auto [low, high] = std::minmax(local.nodes[a], local.nodes[b]);
+        found->pairs.push_back({low, high});
+      }
+    }
+  }
+  const auto before = [](const PointPair& x, const PointPair& y) {
+    return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+  };
+  std::sort(found->pairs.begin(), found->pairs.end(), before);
+  found->pairs.erase(std::unique(found->pairs.begin(), found->pairs.end()), found->pairs.end());
+  for (Neighbours::Local& local : found->local) {
+    for (std::size_t a = 0; a < local.nodes.size(); ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        const auto [low, high] = std::minmax(local.nodes[a], local.nodes[b]);
+        const auto at = std::lower_bound(found->pairs.begin(), found->pairs.end(),
+                                         PointPair{low, high}, before);
+        local.pairs.push_back(static_cast<Index>(at - found->pairs.begin()));
+      }
+    }
+  }
+  return found;
+}
+
+const SoftContact::Neighbours& SoftContact::near(const NodalVector& state) const {
+  const auto is_near = [&] {
+    const double most = kMargin * reach_ / (2 * kNodeToPoint);
+    const Eigen::Index displacements = 3 * static_cast<Eigen::Index>(points_.rest().size());
+    for (Eigen::Index i = 0; i < displacements; i += 3) {
+      const Vec3 moved = state.segment<3>(i) - neighbours_->reference.segment<3>(i);
+      if (!(moved.squaredNorm() < most * most)) return false;
+    }
+    return true;
+  };
+  if (neighbours_ == nullptr || !is_near()) neighbours_ = find_neighbours(state);
+  return *neighbours_;
+}
+
+std::vector<SoftContact::NearPoint> SoftContact::features(const Neighbours& near,
+                                                          const NodalVector& state) const {
+  std::vector<NearPoint> features;
+  features.reserve(near.first_point.back());
+  for (const Index f : near.faces) {
+    for (Index p = points_.first_point(f); p < points_.first_point(f + 1); ++p) {
+      features.push_back({points_.features(p, state), p, points_.area(p)});
+    }
+  }
+  return features;
+}
+
+namespace {
+
+/// m and g of a point i and another point j, with what their derivatives take.
+struct PairTerms {
+  double area;
+  Vec3 r;
+  /// w k and w s; m is w k s.
+  double of_kernel, of_facing;
+  double m;
+  double g;
+  /// ∂k/∂r = by_r r, and ∂²k/∂r² = by_r I + by_rr r rᵀ.
+  double by_r, by_rr;
+  /// s, by −n_i · n_j.
+  Step facing;
+};
+
+/// @param area w of j.
+/// @returns False: m is 0.
+bool find_pair(const PointFeatures& i, const PointFeatures& j, double area, double reach,
+               PairTerms& pair) {
+  pair.r = i.place - j.place;
+  const double inverse = 1 / (reach * reach);
+  const double t = 1 - pair.r.squaredNorm() * inverse;
+  if (t <= 0) return false;
+  const double facing = -i.normal.dot(j.normal);
+  if (facing <= 0) return false;
+  pair.area = area;
+  pair.facing = smooth_step(facing / kFacing);
+  pair.facing.slope /= kFacing;
+  pair.facing.curvature /= kFacing * kFacing;
+  const double t2 = t * t;
+  pair.of_kernel = area * t2 * t2;
+  pair.of_facing = area * pair.facing.value;
+  pair.m = pair.of_kernel * pair.facing.value;
+  pair.g = j.normal.dot(pair.r);
+  pair.by_r = -8 * t2 * t * inverse;
+  pair.by_rr = 48 * t2 * inverse * inverse;
+  return true;
+}
+
+/// Adds a second derivative by some nodes to the blocks of their pairs.
+/// @param pairs The pair of each two nodes, a ≥ b.
+void add_blocks(const std::vector<Index>& nodes, const std::vector<Index>& pairs,
+                const Eigen::Ref<const Eigen::MatrixXd>& whole, std::size_t num_nodes,
+                std::vector<Mat3>& blocks) {
+  std::size_t at = 0;
+  for (std::size_t a = 0; a < num_nodes; ++a) {
+    for (std::size_t b = 0; b <= a; ++b, ++at) {
+      const bool is_lower = nodes[b] <= nodes[a];
+      const auto row = static_cast<Eigen::Index>(3 * (is_lower ? b : a));
+      const auto column = static_cast<Eigen::Index>(3 * (is_lower ? a : b));
+      blocks[pairs[at]] += whole.block<3, 3>(row, column);
+    }
+  }
+}
+
+/// The derivatives of m by r, n_i and n_j. Those of g are n_j, 0 and r.
+struct PairSlopes {
+  Vec3 r, i, j;
+};
+
+PairSlopes slopes_of(const PairTerms& pair, const PointFeatures& i, const PointFeatures& j) {
+  const double by_facing = -pair.of_kernel * pair.facing.slope;
+  return {pair.of_facing * pair.by_r * pair.r, by_facing * j.normal, by_facing * i.normal};
+}
+
+/// by_s Dm + by_p D(m g) by place and normal of i and j, with all = by_s + by_p g.
+struct PairGradient {
+  Vec6 i, j;
+};
+
+PairGradient gradient_of(const PairTerms& pair, const PairSlopes& m, const PointFeatures& j,
+                         double all, double by_p) {
+  PairGradient d;
+  const double of_g = by_p * pair.m;
+  d.i.head<3>() = all * m.r + of_g * j.normal;
+  d.i.tail<3>() = all * m.i;
+  d.j.head<3>() = -d.i.head<3>();
+  d.j.tail<3>() = all * m.j + of_g * pair.r;
+  return d;
+}
+
+/// by_s D²m + by_p D²(m g), likewise.
+struct PairCurvature {
+  Mat6 ii, ij, jj;
+};
+
+PairCurvature curvature_of(const PairTerms& pair, const PairSlopes& m, const PointFeatures& i,
+                           const PointFeatures& j, double all, double by_p) {
+  const Vec3 across = -all * pair.area * pair.facing.slope * pair.by_r * pair.r;
+  const double turned = all * pair.of_kernel * pair.facing.curvature;
+  const Mat3 of_m = m.r * j.normal.transpose();
+  const Mat3 rr = all * pair.of_facing *
+                      (pair.by_r * Mat3::Identity() + pair.by_rr * pair.r * pair.r.transpose()) +
+                  by_p * (of_m + of_m.transpose());
+  const Mat3 ri = across * j.normal.transpose() + by_p * j.normal * m.i.transpose();
+  const Mat3 rj =
+      across * i.normal.transpose() +
+      by_p * (m.r * pair.r.transpose() + j.normal * m.j.transpose() + pair.m * Mat3::Identity());
+  const Mat3 turn = m.j * pair.r.transpose();
+  PairCurvature d;
+  d.ii << rr, ri, ri.transpose(), turned * j.normal * j.normal.transpose();
+  d.ij << -rr, rj, -ri.transpose(),
+      turned * j.normal * i.normal.transpose() -
+          all * pair.of_kernel * pair.facing.slope * Mat3::Identity() +
+          by_p * m.i * pair.r.transpose();
+  d.jj << rr, -rj, -rj.transpose(),
+      turned * i.normal * i.normal.transpose() + by_p * (turn + turn.transpose());
+  return d;
+}
+
+}  // namespace
+
+SoftContact::Sums SoftContact::sums(const Neighbours& near, const std::vector<NearPoint>& at,
+                                    std::size_t i) const {
+  Sums sums;
+  PairTerms pair;
+  for (std::size_t k = near.first_other[i]; k < near.first_other[i + 1]; ++k) {
+    const NearPoint& j = at[near.others[k].point];
+    if (!find_pair(at[i], j, j.area, reach_, pair)) continue;
+    sums.s += pair.m;
+    sums.p += pair.m * pair.g;
+  }
+  return sums;
+}
+
+bool SoftContact::find_energy(const NearPoint& i, const Sums& sums, Jet& jet) const {
+  if (sums.s == 0) return false;
+  const double f = sums.gap();
+  const double distance = f - offsets_[i.point];
+  if (!law_.acts_at(distance)) return false;
+  const ContactLaw::Jet psi = law_.evaluate(distance);
+  Step cover = smooth_step(sums.s / least_sum_);
+  cover.slope /= least_sum_;
+  cover.curvature /= least_sum_ * least_sum_;
+  const double s = sums.s;
+  const double half = 0.5 * i.area;
+  jet.value = half * psi.value * cover.value;
+  jet.p = half * psi.slope * cover.value / s;
+  jet.s = half * (psi.value * cover.slope - psi.slope * f * cover.value / s);
+  jet.pp = half * psi.curvature * cover.value / (s * s);
+  jet.ps = half *
+           (psi.slope * cover.slope / s - (psi.curvature * f + psi.slope) * cover.value / (s * s));
+  jet.ss = half * (psi.value * cover.curvature - 2 * psi.slope * f * cover.slope / s +
+                   (psi.curvature * f + 2 * psi.slope) * f * cover.value / (s * s));
+  jet.pressure = -psi.slope * cover.value;
+  return true;
+}
+
+double SoftContact::add(const NodalVector& state, NodalVector& force,
+                        std::vector<double>* /*values*/) const {
+  const Neighbours& near = this->near(state);
+  const std::vector<NearPoint> at = features(near, state);
+  std::vector<Vec6> gradient(at.size(), Vec6::Zero());
+  double energy = 0;
+  Jet jet;
+  PairTerms pair;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const Sums sums = this->sums(near, at, i);
+    if (has_passed_through(sums)) return std::numeric_limits<double>::infinity();
+    if (!find_energy(at[i], sums, jet)) continue;
+    energy += jet.value;
+    for (std::size_t k = near.first_other[i]; k < near.first_other[i + 1]; ++k) {
+      const std::uint32_t other = near.others[k].point;
+      const NearPoint& j = at[other];
+      if (!find_pair(at[i], j, j.area, reach_, pair)) continue;
+      const PairGradient d =
+          gradient_of(pair, slopes_of(pair, at[i], j), j, jet.s + jet.p * pair.g, jet.p);
+      gradient[i] += d.i;
+      gradient[other] += d.j;
+    }
+  }
+  if (energy == 0) return 0;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (gradient[i].isZero(0)) continue;
+    const Eigen::Matrix<double, 3 * ContactPoints::kMostNodes, 1> of_nodes =
+        points_.slopes(at[i].point, at[i]).transpose() * gradient[i];
+    const Index* nodes = points_.nodes(points_.face_of(at[i].point));
+    for (int a = 0; a < points_.nodes_per_face(); ++a) {
+      force.segment<3>(3 * Eigen::Index{nodes[a]}) += of_nodes.segment<3>(3 * a);
+    }
+  }
+  return energy;
+}
+
+void SoftContact::take_blocks(const NodalVector& state, PairBlocks& result) const {
+  const Neighbours& near = this->near(state);
+  result.pairs = near.pairs;
+  std::vector<Mat3>& blocks = result.values;
+  blocks.assign(near.pairs.size(), Mat3::Zero());
+  const std::vector<NearPoint> at = features(near, state);
+  // By place and normal of each point.
+  std::vector<Vec6> gradient(at.size(), Vec6::Zero());
+  std::vector<Mat6> curvature(at.size(), Mat6::Zero());
+  constexpr int kOfFace = 3 * ContactPoints::kMostNodes;
+  const int per_face = points_.nodes_per_face();
+  using Slopes = ContactPoints::Slopes;
+  std::vector<Slopes> slopes(at.size());
+  std::vector<char> has_slopes(at.size(), 0);
+  const auto slopes_at = [&](std::size_t i) -> const Slopes& {
+    if (has_slopes[i] == 0) {
+      slopes[i] = points_.slopes(at[i].point, at[i]);
+      has_slopes[i] = 1;
+    }
+    return slopes[i];
+  };
+  Jet jet;
+  PairTerms pair;
+  Eigen::MatrixXd whole;
+  Eigen::Matrix<double, Eigen::Dynamic, 2> of_sums;
+  for (std::size_t f = 0; f < near.faces.size(); ++f) {
+    const Neighbours::Local& local = near.local[f];
+    const auto size = static_cast<Eigen::Index>(3 * local.nodes.size());
+    const std::size_t num_slots = local.of_slots.size() / static_cast<std::size_t>(per_face);
+    bool acts = false;
+    for (std::size_t i = near.first_point[f]; i < near.first_point[f + 1]; ++i) {
+      const Sums sums = this->sums(near, at, i);
+      if (!find_energy(at[i], sums, jet)) continue;
+      if (!acts) whole.setZero(size, size);
+      acts = true;
+      // Columns: the derivatives of P and of S by the nodes.
+      of_sums.setZero(size, 2);
+      Vec6 p_i = Vec6::Zero();
+      Vec6 s_i = Vec6::Zero();
+      std::size_t k = near.first_other[i];
+      for (std::size_t slot = 0; slot < num_slots; ++slot) {
+        Eigen::Matrix<double, 6, kOfFace> crossed = Eigen::Matrix<double, 6, kOfFace>::Zero();
+        Eigen::Matrix<double, kOfFace, 2> of_slot = Eigen::Matrix<double, kOfFace, 2>::Zero();
+        bool is_felt = false;
+        for (; k < near.first_other[i + 1] && near.others[k].slot == slot; ++k) {
+          const std::uint32_t other = near.others[k].point;
+          const NearPoint& j = at[other];
+          if (!find_pair(at[i], j, j.area, reach_, pair)) continue;
+          is_felt = true;
+          const PairSlopes m = slopes_of(pair, at[i], j);
+          const PairGradient by_p = gradient_of(pair, m, j, pair.g, 1);
+          const PairGradient by_s = gradient_of(pair, m, j, 1, 0);
+          const PairCurvature d = curvature_of(pair, m, at[i], j, jet.s + jet.p * pair.g, jet.p);
+          p_i += by_p.i;
+          s_i += by_s.i;
+          curvature[i] += d.ii;
+          curvature[other] += d.jj;
+          gradient[i] += jet.p * by_p.i + jet.s * by_s.i;
+          gradient[other] += jet.p * by_p.j + jet.s * by_s.j;
+          const Slopes& of_j = slopes_at(other);
+          crossed += d.ij * of_j;
+          of_slot.col(0) += of_j.transpose() * by_p.j;
+          of_slot.col(1) += of_j.transpose() * by_s.j;
+        }
+        if (!is_felt) continue;
+        const Eigen::Matrix<double, kOfFace, kOfFace> block = slopes_at(i).transpose() * crossed;
+        for (int b = 0; b < per_face; ++b) {
+          const Eigen::Index column =
+              3 * Eigen::Index{local.of_slots[slot * static_cast<std::size_t>(per_face) +
+                                              static_cast<std::size_t>(b)]};
+          of_sums.middleRows<3>(column) += of_slot.middleRows<3>(3 * b);
+          for (int a = 0; a < per_face; ++a) {
+            const Mat3 of_nodes = block.block<3, 3>(3 * a, 3 * b);
+            whole.block<3, 3>(3 * a, column) += of_nodes;
+            whole.block<3, 3>(column, 3 * a) += of_nodes.transpose();
+          }
+        }
+      }
+      const Eigen::Matrix<double, kOfFace, 1> p_nodes = slopes_at(i).transpose() * p_i;
+      const Eigen::Matrix<double, kOfFace, 1> s_nodes = slopes_at(i).transpose() * s_i;
+      of_sums.col(0).head(3 * per_face) += p_nodes.head(3 * per_face);
+      of_sums.col(1).head(3 * per_face) += s_nodes.head(3 * per_face);
+      Eigen::Matrix2d by_sums;
+      by_sums << jet.pp, jet.ps, jet.ps, jet.ss;
+      const Eigen::Matrix<double, Eigen::Dynamic, 2> weighed = of_sums * by_sums;
+      whole.noalias() += weighed * of_sums.transpose();
+    }
+    if (acts) add_blocks(local.nodes, local.pairs, whole, local.nodes.size(), blocks);
+  }
+  ContactPoints::FaceBlock of_face;
+  for (std::size_t f = 0; f < near.faces.size(); ++f) {
+    bool acts = false;
+    for (std::size_t i = near.first_point[f]; i < near.first_point[f + 1]; ++i) {
+      if (has_slopes[i] == 0) continue;
+      if (!acts) of_face.setZero();
+      acts = true;
+      of_face += slopes[i].transpose() * curvature[i] * slopes[i];
+      points_.add_curvature(at[i].point, at[i], gradient[i].tail<3>(), of_face);
+    }
+    if (acts)
+      add_blocks(near.local[f].nodes, near.local[f].pairs, of_face,
+                 static_cast<std::size_t>(per_face), blocks);
+  }
+}
+
+void SoftContact::set_offsets() {
+  const NodalVector rest = NodalVector::Zero(3 * static_cast<Eigen::Index>(points_.rest().size()));
+  const Neighbours& near = this->near(rest);
+  const std::vector<NearPoint> at = features(near, rest);
+  double deepest = 0;
+  const NearPoint* deepest_point = nullptr;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const Sums sums = this->sums(near, at, i);
+    if (sums.s == 0) continue;
+    offsets_[at[i].point] = std::min(sums.gap(), law_.thickness) - law_.thickness;
+    if (sums.s > least_sum_ && sums.gap() < deepest) {
+      deepest = sums.gap();
+      deepest_point = &at[i];
+    }
+  }
+  if (-deepest <= law_.thickness) return;
+  throw InputError("Two parts that touch each other overlap by " + quantity(-deepest, "m") +
+                   " at " + quantity(deepest_point->place, "m") +
+                   " before anything moves. Move them apart, or mesh them so that they do not "
+                   "overlap.");
+}
+
+double SoftContact::longest_share(const NodalVector& state, const NodalVector& step) const {
+  const std::size_t num_points = points_.rest().size();
+  double fastest = 0;
+  for (std::size_t p = 0; p < num_points; ++p) {
+    fastest = std::max(fastest, step.segment<3>(3 * static_cast<Eigen::Index>(p)).squaredNorm());
+  }
+  fastest = kNodeToPoint * std::sqrt(fastest);
+  const double safe = 0.5 * reach_;
+  if (2 * fastest <= safe) return 1;
+  // Faces that are farther apart than this do not meet in the step.
+  const double farthest = 2 * fastest;
+  const auto num_faces = static_cast<std::size_t>(points_.num_faces());
+  std::vector<BoxTree::Box> boxes(num_faces);
+  std::vector<BoxTree::Box> ways(num_faces);
+  for (std::size_t f = 0; f < num_faces; ++f) {
+    const Index* nodes = points_.nodes(static_cast<Index>(f));
+    for (int a = 0; a < points_.nodes_per_face(); ++a) {
+      boxes[f].extend(points_.node_place(nodes[a], state));
+      ways[f].extend(Vec3(step.segment<3>(3 * Eigen::Index{nodes[a]})));
+    }
+  }
+  const BoxTree tree(boxes);
+  double share = 1;
+  for (std::size_t f = 0; f < num_faces; ++f) {
+    BoxTree::Box box = boxes[f];
+    box.min().array() -= farthest;
+    box.max().array() += farthest;
+    tree.for_overlapping(box, [&](Index place) {
+      const auto g = static_cast<std::size_t>(tree.order()[place]);
+      if (g <= f || !may_touch(static_cast<Index>(f), static_cast<Index>(g))) return;
+      const Vec3 apart = (ways[f].max() - ways[g].min()).cwiseMax(ways[g].max() - ways[f].min());
+      const double towards = kNodeToPoint * apart.norm();
+      const double allowed = safe + std::sqrt(boxes[f].squaredExteriorDistance(boxes[g]));
+      if (towards * share > allowed) share = allowed / towards;
+    });
+  }
+  return share;
+}
+
+std::vector<SoftContact::AtPoint> SoftContact::points_in_reach(const NodalVector& state) const {
+  const Neighbours& near = this->near(state);
+  const std::vector<NearPoint> at = features(near, state);
+  std::vector<AtPoint> found;
+  Jet jet;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const Sums sums = this->sums(near, at, i);
+    if (sums.s == 0) continue;
+    const bool acts = find_energy(at[i], sums, jet);
+    found.push_back({at[i].point, sums.gap(), acts ? jet.pressure : 0});
+  }
+  return found;
+}
+
+}  // namespace palpate

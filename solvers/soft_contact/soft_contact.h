@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The contact of soft parts of a body with each other: of two organs, of an organ and its bed, or
+// of a surface with itself. It is an energy of the gap f_i of each point i of the surface,
+//
+//   Φ = ½ Σ_i w_i ψ(f_i − o_i) σ(S_i / S₀)
+//   f_i = P_i / S_i,   S_i = Σ_j m_ij,   P_i = Σ_j m_ij n_j · r_ij,   r_ij = x_i − x_j
+//   m_ij = w_j ⟨1 − |r_ij|²/ρ²⟩⁴ s(−n_i · n_j)
+//
+// over the points j of the other parts, or of the same part too. So f is a smooth signed distance
+// (an implicit moving least squares surface: Öztireli, Guennebaud and Gross, Comput. Graph. Forum
+// 28, 2009). It is exact where the other side is flat, however its points lie, and negative inside.
+// All points of both sides have their share, so that neither side is the master, and forces and
+// moments balance to rounding.
+//
+// s is 0 for normals that do not face each other, and so removes the back of a thin part and the
+// surroundings of a point of the same surface. σ fades what has few points in reach, as at an edge.
+// Both are steps of the seventh degree, so that Φ is C³. ψ is the law of contact (contact_law.h).
+// o_i is 0 where the rest has a gap of the thickness δ, and f_i − δ where it has less: bodies that
+// lie on each other at rest press each other only once they come nearer.
+//
+// There is no friction. The kernel ends at ρ: parts that have passed through each other by more
+// would not feel it. So a state in which a point is more than ρ/2 inside has no finite energy, and
+// no step moves two surfaces by more than that towards each other.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "assembly/energy_term.h"
+#include "assembly/scene.h"
+#include "soft_contact/contact_points.h"
+
+namespace palpate {
+
+class SoftContact final : public EnergyTerm {
+ public:
+  /// @param scene A scene that check() accepts, whose parts touch each other.
+  /// @throws InputError two parts overlap in the mesh by more than the thickness.
+  explicit SoftContact(const Scene& scene);
+  ~SoftContact() override;
+  SoftContact(const SoftContact&) = delete;
+  SoftContact& operator=(const SoftContact&) = delete;
+
+  double add(const NodalVector& state, NodalVector& force,
+             std::vector<double>* values) const override;
+  void take_blocks(const NodalVector& state, PairBlocks& blocks) const override;
+  [[nodiscard]] double longest_share(const NodalVector& state,
+                                     const NodalVector& step) const override;
+
+  /// ρ, m.
+  [[nodiscard]] double reach() const { return reach_; }
+  [[nodiscard]] const ContactPoints& points() const { return points_; }
+
+  /// What a point feels.
+  struct AtPoint {
+    Index point = 0;
+    /// f, m.
+    double gap = 0;
+    /// −ψ′ σ, Pa.
+    double pressure = 0;
+  };
+  /// The points that have others in reach, ascending.
+  [[nodiscard]] std::vector<AtPoint> points_in_reach(const NodalVector& state) const;
+
+ private:
+  struct Neighbours;
+  struct NearPoint;
+  /// Sums over the other points, and the derivatives of a point's energy by P and S.
+  struct Sums {
+    double s = 0;
+    double p = 0;
+    [[nodiscard]] double gap() const { return p / s; }
+  };
+  struct Jet {
+    double value, p, s, pp, ps, ss;
+    /// −ψ′ σ, Pa.
+    double pressure;
+  };
+
+  [[nodiscard]] bool may_touch(Index face, Index other) const;
+  /// The points near each other, at a state or one that differs little from it.
+  [[nodiscard]] const Neighbours& near(const NodalVector& state) const;
+  [[nodiscard]] std::shared_ptr<const Neighbours> find_neighbours(const NodalVector& state) const;
+  [[nodiscard]] std::vector<NearPoint> features(const Neighbours& near,
+                                                const NodalVector& state) const;
+  [[nodiscard]] Sums sums(const Neighbours& near, const std::vector<NearPoint>& at,
+                          std::size_t i) const;
+  /// @returns Whether the law acts there.
+  [[nodiscard]] bool find_energy(const NearPoint& i, const Sums& sums, Jet& jet) const;
+  [[nodiscard]] bool has_passed_through(const Sums& sums) const {
+    return sums.s > 5 * least_sum_ && sums.gap() < -0.5 * reach_;
+  }
+  void set_offsets();
+
+  ContactPoints points_;
+  bool with_themselves_;
+  ContactLaw law_;
+  double reach_;
+  /// S₀, m².
+  double least_sum_;
+  /// o of each point, m.
+  std::vector<double> offsets_;
+  mutable std::shared_ptr<const Neighbours> neighbours_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solvers/support/two_blocks.h"
+
+#include <utility>
+
+#include "solvers/support/block.h"
+#include "solvers/support/bodies.h"
+#include "solvers/support/box_mesh.h"
+
+namespace palpate::test {
+
+Scene make_two_blocks(const TwoBlocksOptions& options) {
+  TetMesh mesh = make_box(options.order, options.lower_cells, options.lower_size);
+  const Index lower_points = mesh.num_points();
+  const Index lower_cells = mesh.num_cells();
+  const Vec3 shift = options.upper_at + Vec3(0, 0, options.lower_size.z());
+  append(mesh, make_box(options.order, options.upper_cells, options.upper_size), shift);
+  const double top = shift.z() + options.upper_size.z();
+  std::vector<char> fixed;
+  for (Index p = 0; p < mesh.num_points(); ++p) {
+    const double z = mesh.points[p].z();
+    fixed.push_back((p < lower_points ? z == 0 : z > top - 1e-9) ? 1 : 0);
+  }
+  const auto material = [&](double youngs_modulus) {
+    return make_material(options.law, youngs_modulus, options.poissons_ratio);
+  };
+  Scene scene = make_scene(std::move(mesh), material(options.youngs_modulus), fixed);
+  scene.organ.materials.push_back(material(options.upper_youngs_modulus));
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+    const Index part = c < lower_cells ? 0 : 1;
+    scene.body.part_of_cell.push_back(part);
+    scene.body.material_of_cell.push_back(part);
+  }
+  scene.organ.touching = TouchingParts::others;
+  scene.organ.contact = {options.thickness, options.stiffness * options.youngs_modulus, 0};
+  return scene;
+}
+
+}  // namespace palpate::test
