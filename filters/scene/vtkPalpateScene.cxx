@@ -9,11 +9,13 @@
 
 #include "assembly/loaded_faces.h"
 #include "base/error.h"
+#include "soft_contact/contact_defaults.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
+#include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPalpateArrayCheck.h"
 #include "vtkPalpateBodyCells.h"
@@ -81,6 +83,7 @@ palpate::Scene ReadScene(vtkUnstructuredGrid* grid, std::vector<palpate::Rheolog
   scene.body.touchable = touchable
     ? vtkPalpateChosenPoints(touchable)
     : vtkPalpateTouchableSurface(scene.body.mesh, vtkPalpateHeldPoints(scene));
+  scene = palpate::with_contact_defaults(std::move(scene));
   palpate::check(scene);
   return scene;
 }
@@ -151,6 +154,54 @@ void ReadTuples(vtkUnstructuredGrid* grid, const char* name, Take take)
     array->GetTuple(point, tuple.data());
     take(static_cast<std::size_t>(point), tuple);
   }
+}
+
+void ReadContact(vtkUnstructuredGrid* grid, palpate::Scene& scene)
+{
+  vtkDataArray* law = grid->GetFieldData()->GetArray(vtkPalpateArray::PartContact);
+  if (!law)
+  {
+    return;
+  }
+  const double touching = law->GetNumberOfValues() == 3 ? law->GetComponent(0, 0) : 0;
+  if (law->GetNumberOfComponents() != 3 || (touching != 1 && touching != 2))
+  {
+    throw InputError(std::string("The field array ") + vtkPalpateArray::PartContact +
+      " is not what Set Boundary writes: 1 or 2, a thickness (m) and a stiffness (Pa). Set Contact "
+      "again.");
+  }
+  scene.organ.touching = static_cast<palpate::TouchingParts>(static_cast<int>(touching));
+  scene.organ.contact.thickness = law->GetComponent(0, 1);
+  scene.organ.contact.stiffness = law->GetComponent(0, 2);
+  vtkDataArray* parts = vtkPalpateScalarArray(grid->GetCellData(), vtkPalpateArray::ContactPart);
+  for (vtkIdType cell = 0; parts && cell < parts->GetNumberOfTuples(); ++cell)
+  {
+    scene.body.part_of_cell.push_back(static_cast<Index>(parts->GetComponent(cell, 0)));
+  }
+}
+
+void WriteContact(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
+{
+  if (scene.organ.touching == palpate::TouchingParts::none)
+  {
+    return;
+  }
+  const auto law = Numbers(vtkPalpateArray::PartContact, 3, 1);
+  law->SetTuple3(0, static_cast<double>(scene.organ.touching), scene.organ.contact.thickness,
+    scene.organ.contact.stiffness);
+  grid->GetFieldData()->AddArray(law);
+  if (scene.body.part_of_cell.empty())
+  {
+    return;
+  }
+  vtkNew<vtkIntArray> parts;
+  parts->SetName(vtkPalpateArray::ContactPart);
+  parts->SetNumberOfTuples(scene.body.mesh.num_cells());
+  for (Index cell = 0; cell < scene.body.mesh.num_cells(); ++cell)
+  {
+    parts->SetValue(cell, scene.body.part_of_cell[cell]);
+  }
+  grid->GetCellData()->AddArray(parts);
 }
 
 /// Writes the array of numbersOf(value), which is the address of one number for each component;
@@ -373,6 +424,7 @@ void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene)
       scene.body.applied_traction.resize(size, palpate::Vec3::Zero());
       scene.body.applied_traction[point] = traction;
     });
+  ReadContact(grid, scene);
 }
 
 void vtkPalpateWriteBoundary(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
@@ -387,6 +439,7 @@ void vtkPalpateWriteBoundary(const palpate::Scene& scene, vtkUnstructuredGrid* g
   WriteTuples(
     vtkPalpateArray::AppliedTraction, 3, scene.body.applied_traction,
     [](const palpate::Vec3& traction) { return traction.data(); }, grid);
+  WriteContact(scene, grid);
 }
 
 std::vector<char> vtkPalpateHeldPoints(const palpate::Scene& scene)

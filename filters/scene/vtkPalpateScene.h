@@ -43,6 +43,11 @@ inline constexpr const char* AppliedTraction = "AppliedTraction";
 inline constexpr const char* Displacement = "Displacement";
 inline constexpr const char* RestDisplacement = "RestDisplacement";
 inline constexpr const char* ContactPressure = "ContactPressure";
+/// The part of each cell that touches the others.
+inline constexpr const char* ContactPart = "ContactPart";
+/// A field array: which parts touch (1: each the others, 2: itself too), the thickness of their
+/// contact, m, and its stiffness, Pa; 0: a usual one.
+inline constexpr const char* PartContact = "PartContact";
 }
 
 /// The order of the grid's elements.
@@ -55,8 +60,8 @@ PALPATESCENE_EXPORT palpate::ElementOrder vtkPalpateElementOrder(vtkUnstructured
 /// @throws palpate::InputError as vtkPalpateElementOrder.
 PALPATESCENE_EXPORT palpate::TetMesh vtkPalpateMeshFromGrid(vtkUnstructuredGrid* grid);
 
-/// Reads the arrays of what holds the body besides fixed points, and of what loads its surface,
-/// without further checks.
+/// Reads the arrays of what holds the body besides fixed points, of what loads its surface, and of
+/// which parts touch each other, without further checks.
 /// @throws palpate::InputError an array has a wrong number of components, or is no point array.
 PALPATESCENE_EXPORT void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene);
 

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "assembly/loaded_faces.h"
 #include "assembly/supports.h"
 #include "base/error.h"
 #include "base/quantity.h"
 #include "mesh/touching_pieces.h"
+#include "soft_contact/contact_defaults.h"
 #include "vtkCellData.h"
 #include "vtkIdList.h"
 #include "vtkImplicitFunction.h"
@@ -122,7 +125,9 @@ std::vector<Value> OfMerged(const std::vector<Value>& values, const palpate::Mer
 palpate::Scene OfMerged(const palpate::Scene& scene, const palpate::MergedMesh& merged)
 {
   palpate::Scene now;
+  now.organ = scene.organ;
   now.body.mesh = merged.mesh;
+  now.body.part_of_cell = scene.body.part_of_cell;
   now.body.fixed = OfMerged(scene.body.fixed, merged);
   now.body.support_stiffness = OfMerged(scene.body.support_stiffness, merged);
   now.body.applied_pressure = OfMerged(scene.body.applied_pressure, merged);
@@ -330,6 +335,10 @@ int vtkPalpateSetBoundary::RequestData(
                                        : loaded,
           scene);
       }
+      if (this->Contact != NO_CONTACT)
+      {
+        this->Touch(body, palpate::find_pieces(scene.body.mesh).of_cell, scene);
+      }
       scene.body.touchable =
         vtkPalpateTouchableSurface(scene.body.mesh, vtkPalpateHeldPoints(scene));
       if (this->TouchableBy != SURFACE)
@@ -466,6 +475,68 @@ void vtkPalpateSetBoundary::Hold(const std::vector<char>& points, palpate::Scene
   }
 }
 
+void vtkPalpateSetBoundary::Touch(
+  vtkUnstructuredGrid* body, const std::vector<Index>& pieceOfCell, palpate::Scene& scene) const
+{
+  if (this->Contact != BETWEEN_PARTS && this->Contact != ALSO_WITH_THEMSELVES)
+  {
+    throw InputError("Contact is " + std::to_string(this->Contact) +
+      "; it must be 0 (None), 1 (Between Parts) or 2 (Also With Themselves).");
+  }
+  for (const auto& [name, value] : { std::pair{ "ContactThickness", this->ContactThickness },
+         std::pair{ "ContactStiffness", this->ContactStiffness } })
+  {
+    if (!std::isfinite(value) || value < 0)
+    {
+      throw InputError(std::string(name) + " is " + palpate::quantity(value) +
+        "; give a number above 0, or 0 for a usual one.");
+    }
+  }
+  std::vector<Index>& parts = scene.body.part_of_cell;
+  parts = pieceOfCell;
+  if (this->PartsBy == PART_ARRAY)
+  {
+    vtkDataArray* array = vtkPalpateScalarArray(body->GetCellData(), this->PartArray.c_str());
+    if (!array)
+    {
+      throw InputError("PartsBy is Array, but the body has no cell array of one component that is "
+                       "called \"" +
+        this->PartArray + "\". Choose one as PartArray, or Pieces as PartsBy.");
+    }
+    std::map<double, Index> numbers;
+    for (std::size_t cell = 0; cell < parts.size(); ++cell)
+    {
+      numbers.emplace(array->GetComponent(static_cast<vtkIdType>(cell), 0), 0);
+    }
+    Index next = 0;
+    for (auto& [value, number] : numbers)
+    {
+      number = next++;
+    }
+    for (std::size_t cell = 0; cell < parts.size(); ++cell)
+    {
+      parts[cell] = numbers.at(array->GetComponent(static_cast<vtkIdType>(cell), 0));
+    }
+  }
+  else if (this->PartsBy != PIECES)
+  {
+    throw InputError(
+      "PartsBy is " + std::to_string(this->PartsBy) + "; it must be 0 (Pieces) or 1 (Array).");
+  }
+  if (this->Contact == BETWEEN_PARTS && *std::max_element(parts.begin(), parts.end()) == 0)
+  {
+    throw InputError(std::string("Contact is Between Parts, but there is one part only: ") +
+      (this->PartsBy == PIECES ? "the body is in one piece. Choose an array as PartsBy"
+                               : "PartArray has one value. Choose another array") +
+      ", or Also With Themselves as Contact.");
+  }
+  scene.organ.touching = static_cast<palpate::TouchingParts>(this->Contact);
+  scene.organ.contact.thickness = this->ContactThickness > 0
+    ? this->ContactThickness
+    : palpate::usual_contact_thickness(scene.body.mesh);
+  scene.organ.contact.stiffness = this->ContactStiffness;
+}
+
 double vtkPalpateSetBoundary::LoadFaces(
   const std::vector<char>& chosen, palpate::Scene& scene) const
 {
@@ -525,6 +596,11 @@ void vtkPalpateSetBoundary::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "FixedArray: " << this->FixedArray << '\n'
      << indent << "TouchableArray: " << this->TouchableArray << '\n'
      << indent << "Merge: " << this->Merge << '\n'
+     << indent << "Contact: " << this->Contact << '\n'
+     << indent << "PartsBy: " << this->PartsBy << '\n'
+     << indent << "PartArray: " << this->PartArray << '\n'
+     << indent << "ContactThickness: " << this->ContactThickness << " m\n"
+     << indent << "ContactStiffness: " << this->ContactStiffness << " Pa\n'
      << indent << "Support: " << this->Support << '\n'
      << indent << "HeldDirection: " << Vec3(this->HeldDirection).transpose() << '\n'
      << indent << "SupportStiffness: " << this->SupportStiffness << " N/m^3\n"

@@ -11,6 +11,9 @@
  * the surface bears a pressure or a traction: in the point arrays of vtkPalpateScene.h. Arrays of
  * these that the input has are kept, and so is `Fixed` if the chosen points are held otherwise.
  *
+ * By `Contact` parts of the body touch each other: the cell array `ContactPart` and the field array
+ * `PartContact` say so.
+ *
  * If a body is in several pieces, a warning names those that touch without sharing points, since
  * nothing joins them. Those points are merged where that is asked for; then the field array
  * `MergedPoints` says how many were taken away, and points have other ids than in the input.
@@ -24,6 +27,7 @@
 #include <vector>
 
 #include "PalpateSceneModule.h"
+#include "base/types.h"
 #include "vtkSmartPointer.h"
 #include "vtkUnstructuredGridAlgorithm.h"
 
@@ -70,6 +74,21 @@ public:
     TRACTION = 2
   };
 
+  /// Which parts of the body touch each other.
+  enum Toucher
+  {
+    NO_CONTACT = 0,          ///< what earlier filters have set is kept
+    BETWEEN_PARTS = 1,       ///< each part touches the others
+    ALSO_WITH_THEMSELVES = 2 ///< and itself
+  };
+
+  /// What the parts are.
+  enum Divider
+  {
+    PIECES = 0,    ///< the connected pieces
+    PART_ARRAY = 1 ///< cells with the same number in an array
+  };
+
   ///@{
   /// A Chooser.
   vtkSetMacro(FixedBy, int);
@@ -96,6 +115,20 @@ public:
   vtkGetMacro(AppliedPressure, double);
   vtkSetVector3Macro(AppliedTraction, double);
   vtkGetVector3Macro(AppliedTraction, double);
+  ///@}
+  ///@{
+  /// A Toucher, a Divider and the name of a cell array with one component; the thickness of
+  /// contact, m, and its stiffness, Pa: 0 is a usual one.
+  vtkSetMacro(Contact, int);
+  vtkGetMacro(Contact, int);
+  vtkSetMacro(PartsBy, int);
+  vtkGetMacro(PartsBy, int);
+  vtkSetStdStringFromCharMacro(PartArray);
+  vtkGetCharFromStdStringMacro(PartArray);
+  vtkSetMacro(ContactThickness, double);
+  vtkGetMacro(ContactThickness, double);
+  vtkSetMacro(ContactStiffness, double);
+  vtkGetMacro(ContactStiffness, double);
   ///@}
   ///@{
   /// The points where the function is not positive: those within a box, sphere or cylinder, those
@@ -144,6 +177,9 @@ private:
   palpate::Scene SceneBefore(vtkUnstructuredGrid* body) const;
   /// Holds the chosen points of a scene, which already has its mesh and the arrays of its grid.
   void Hold(const std::vector<char>& chosen, palpate::Scene& scene) const;
+  /// Lets the parts touch each other.
+  void Touch(vtkUnstructuredGrid* body, const std::vector<palpate::Index>& pieceOfCell,
+    palpate::Scene& scene) const;
   /// Loads the faces of the chosen points. @returns The area that bears such a load, m².
   double LoadFaces(const std::vector<char>& chosen, palpate::Scene& scene) const;
 
@@ -163,4 +199,9 @@ private:
   std::string FixedArray = "None";
   std::string TouchableArray = "None";
   bool Merge = false;
+  int Contact = NO_CONTACT;
+  int PartsBy = PIECES;
+  std::string PartArray = "None";
+  double ContactThickness = 0;
+  double ContactStiffness = 0;
 };

@@ -29,8 +29,8 @@ struct FacePoint {
 [[nodiscard]] std::vector<FacePoint> face_quadrature(ElementOrder order);
 
 /// A rule for what has a scale of its own, such as contact: the face is divided into divisions²
-/// triangles, each with the six points that are exact for degree 4 (Dunavant, Int. J. Numer. Methods
-/// Eng. 21, 1985).
+/// triangles, each with the six points that are exact for degree 4 (Dunavant, Int. J. Numer.
+/// Methods Eng. 21, 1985).
 [[nodiscard]] std::vector<FacePoint> divided_quadrature(ElementOrder order, int divisions);
 
 /// The faces of the boundary for whose three corners the predicate holds, in the format of

@@ -37,8 +37,8 @@ struct Scene {
 void check(Scene& scene);
 
 /// 128-bit hash (XXH3, hexadecimal) of mesh, materials and boundary, and of body force, densities,
-/// supports, loads and contact of parts if there are any: two scenes with the same hash have the same equilibria.
-/// `touchable` changes no equilibrium, so it is not part of the hash.
+/// supports, loads and contact of parts if there are any: two scenes with the same hash have the
+/// same equilibria. `touchable` changes no equilibrium, so it is not part of the hash.
 [[nodiscard]] std::string hash(const Scene& scene);
 
 }  // namespace palpate

@@ -28,6 +28,9 @@ namespace palpate {
 [[nodiscard]] inline bool is_sound(Law law) {
   return law >= Law::linear && static_cast<int>(law) < num_laws;
 }
+[[nodiscard]] inline bool is_sound(TouchingParts touching) {
+  return touching >= TouchingParts::none && touching <= TouchingParts::all;
+}
 [[nodiscard]] inline bool is_sound(Formulation formulation) {
   return formulation == Formulation::displacement || formulation == Formulation::mixed;
 }
@@ -215,11 +218,14 @@ void for_each_part(Organ& organ, Visit&& visit) {
   visit(organ.materials);
   visit(organ.densities);
   visit(organ.body_force);
+  visit(organ.touching);
+  visit(organ.contact);
 }
 template <class Visit>
 void for_each_part(Body& body, Visit&& visit) {
   visit(body.mesh);
   visit(body.material_of_cell);
+  visit(body.part_of_cell);
   visit(body.fixed);
   visit(body.touchable);
   visit(body.held_directions);

@@ -16,12 +16,6 @@
 namespace palpate {
 namespace {
 
-double youngs_modulus(const Material& material) {
-  const double mu = shear_modulus(material);
-  const double kappa = bulk_modulus(material);
-  return std::isfinite(kappa) ? 9 * kappa * mu / (3 * kappa + mu) : 3 * mu;
-}
-
 double contact_modulus(const Material& material) {
   const double modulus = youngs_modulus(material);
   const double poissons_ratio = modulus / (2 * shear_modulus(material)) - 1;
@@ -128,7 +122,9 @@ std::string name_of(const RigidTool& tool) {
   return "a rigid tool of the unknown shape " + std::to_string(static_cast<int>(tool.shape));
 }
 
-double mean_youngs_modulus(const Scene& scene) { return mean_of_surface(scene, youngs_modulus); }
+double mean_youngs_modulus(const Scene& scene) {
+  return mean_of_surface(scene, palpate::youngs_modulus);
+}
 
 double mean_contact_modulus(const Scene& scene) { return mean_of_surface(scene, contact_modulus); }
 

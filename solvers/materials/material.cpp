@@ -239,6 +239,12 @@ double bulk_modulus(const Material& material) {
   }
 }
 
+double youngs_modulus(const Material& material) {
+  const double mu = shear_modulus(material);
+  const double kappa = bulk_modulus(material);
+  return std::isfinite(kappa) ? 9 * kappa * mu / (3 * kappa + mu) : 3 * mu;
+}
+
 double poissons_ratio(const Material& material) {
   switch (material.law) {
     case Law::neo_hookean_incompressible:

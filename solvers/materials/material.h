@@ -141,6 +141,8 @@ struct Material {
 [[nodiscard]] double shear_modulus(const Material& material);
 /// Bulk modulus at rest, Pa; infinite where the law is incompressible.
 [[nodiscard]] double bulk_modulus(const Material& material);
+/// Young's modulus at rest, Pa.
+[[nodiscard]] double youngs_modulus(const Material& material);
 /// Poisson's ratio at rest.
 [[nodiscard]] double poissons_ratio(const Material& material);
 

@@ -26,7 +26,7 @@ constexpr double kFacing = 0.5;
 /// S₀ as a share of S beside a plane.
 constexpr double kLeastCover = 0.05;
 /// How far beyond ρ neighbours are searched for, in ρ.
-constexpr double kMargin = 0.25;
+constexpr double kMargin = 0.5;
 /// No point of a face moves by more than this times its farthest node: Σ |N_a| ≤ 5/3.
 constexpr double kNodeToPoint = 5.0 / 3;
 
@@ -85,11 +85,15 @@ struct SoftContact::Neighbours {
     std::vector<Index> nodes;
     /// The places of the nodes of each other face in `nodes` [slots × nodes per face].
     std::vector<std::uint16_t> of_slots;
-    /// The place of each two of `nodes`, a ≥ b, among the pairs [n (n + 1) / 2].
+    /// The place of each two of `nodes`, a ≥ b, among the pairs [n (n + 1) / 2]; empty before
+    /// name_pairs().
     std::vector<Index> pairs;
   };
   std::vector<Local> local;
+  /// The pairs of nodes that the faces couple, ascending; empty before name_pairs().
   std::vector<PointPair> pairs;
+
+  void name_pairs();
 };
 
 /// A numbered point in a state.
@@ -116,9 +120,38 @@ bool SoftContact::may_touch(Index face, Index other) const {
   return with_themselves_ || points_.part(face) != points_.part(other);
 }
 
-std::shared_ptr<const SoftContact::Neighbours> SoftContact::find_neighbours(
+void SoftContact::Neighbours::name_pairs() {
+  if (!pairs.empty()) return;
+  const auto key = [](Index a, Index b) {
+    const auto [low, high] = std::minmax(a, b);
+    return static_cast<std::uint64_t>(low) << 32U | static_cast<std::uint64_t>(high);
+  };
+  std::vector<std::uint64_t> keys;
+  for (const Local& each : local) {
+    for (std::size_t a = 0; a < each.nodes.size(); ++a) {
+      for (std::size_t b = 0; b <= a; ++b) keys.push_back(key(each.nodes[a], each.nodes[b]));
+    }
+  }
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  pairs.reserve(keys.size());
+  for (const std::uint64_t each : keys) {
+    pairs.push_back({static_cast<Index>(each >> 32U), static_cast<Index>(each & 0xffffffffU)});
+  }
+  for (Local& each : local) {
+    for (std::size_t a = 0; a < each.nodes.size(); ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        const auto at =
+            std::lower_bound(keys.begin(), keys.end(), key(each.nodes[a], each.nodes[b]));
+        each.pairs.push_back(static_cast<Index>(at - keys.begin()));
+      }
+    }
+  }
+}
+
+std::unique_ptr<SoftContact::Neighbours> SoftContact::find_neighbours(
     const NodalVector& state) const {
-  auto found = std::make_shared<Neighbours>();
+  auto found = std::make_unique<Neighbours>();
   found->reference = state;
   const double reach = (1 + kMargin) * reach_;
   const Index num_faces = points_.num_faces();
@@ -210,32 +243,11 @@ std::shared_ptr<const SoftContact::Neighbours> SoftContact::find_neighbours(
         if (at == local.nodes.end()) local.nodes.push_back(node);
       }
     }
-    for (std::size_t a = 0; a < local.nodes.size(); ++a) {
-      for (std::size_t b = 0; b <= a; ++b) {
-        const auto [low, high] = std::minmax(local.nodes[a], local.nodes[b]);
-        found->pairs.push_back({low, high});
-      }
-    }
-  }
-  const auto before = [](const PointPair& x, const PointPair& y) {
-    return std::pair(x.a, x.b) < std::pair(y.a, y.b);
-  };
-  std::sort(found->pairs.begin(), found->pairs.end(), before);
-  found->pairs.erase(std::unique(found->pairs.begin(), found->pairs.end()), found->pairs.end());
-  for (Neighbours::Local& local : found->local) {
-    for (std::size_t a = 0; a < local.nodes.size(); ++a) {
-      for (std::size_t b = 0; b <= a; ++b) {
-        const auto [low, high] = std::minmax(local.nodes[a], local.nodes[b]);
-        const auto at = std::lower_bound(found->pairs.begin(), found->pairs.end(),
-                                         PointPair{low, high}, before);
-        local.pairs.push_back(static_cast<Index>(at - found->pairs.begin()));
-      }
-    }
   }
   return found;
 }
 
-const SoftContact::Neighbours& SoftContact::near(const NodalVector& state) const {
+SoftContact::Neighbours& SoftContact::near(const NodalVector& state) const {
   const auto is_near = [&] {
     const double most = kMargin * reach_ / (2 * kNodeToPoint);
     const Eigen::Index displacements = 3 * static_cast<Eigen::Index>(points_.rest().size());
@@ -447,7 +459,8 @@ double SoftContact::add(const NodalVector& state, NodalVector& force,
 }
 
 void SoftContact::take_blocks(const NodalVector& state, PairBlocks& result) const {
-  const Neighbours& near = this->near(state);
+  Neighbours& near = this->near(state);
+  near.name_pairs();
   result.pairs = near.pairs;
   std::vector<Mat3>& blocks = result.values;
   blocks.assign(near.pairs.size(), Mat3::Zero());

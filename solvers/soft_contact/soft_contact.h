@@ -79,8 +79,8 @@ class SoftContact final : public EnergyTerm {
 
   [[nodiscard]] bool may_touch(Index face, Index other) const;
   /// The points near each other, at a state or one that differs little from it.
-  [[nodiscard]] const Neighbours& near(const NodalVector& state) const;
-  [[nodiscard]] std::shared_ptr<const Neighbours> find_neighbours(const NodalVector& state) const;
+  [[nodiscard]] Neighbours& near(const NodalVector& state) const;
+  [[nodiscard]] std::unique_ptr<Neighbours> find_neighbours(const NodalVector& state) const;
   [[nodiscard]] std::vector<NearPoint> features(const Neighbours& near,
                                                 const NodalVector& state) const;
   [[nodiscard]] Sums sums(const Neighbours& near, const std::vector<NearPoint>& at,
@@ -100,7 +100,7 @@ class SoftContact final : public EnergyTerm {
   double least_sum_;
   /// o of each point, m.
   std::vector<double> offsets_;
-  mutable std::shared_ptr<const Neighbours> neighbours_;
+  mutable std::unique_ptr<Neighbours> neighbours_;
 };
 
 }  // namespace palpate

@@ -24,6 +24,7 @@ bool has_tissues_of(const Organ& all, const Organ& some) {
 
 bool is_one_organ(const Organ& a, const Organ& b) {
   return a.body_force == b.body_force && a.densities.empty() == b.densities.empty() &&
+         a.touching == b.touching && a.contact == b.contact &&
          (has_tissues_of(a, b) || has_tissues_of(b, a));
 }
 
@@ -47,7 +48,7 @@ const SpaceBody& find_body(const std::vector<SpaceBody>& bodies, BodyId number) 
 void require_one_organ(const Scene& first, const Scene& other) {
   if (!is_one_organ(first.organ, other.organ)) {
     throw InputError(
-        "The bodies are of different organs: their materials, densities or body forces differ. "
+        "The bodies are of different organs: their materials, densities, body forces or contact differ. "
         "Give bodies of one organ, or compute a space of each.");
   }
   if (first.body.has_supports_or_surface_loads() == other.body.has_supports_or_surface_loads()) {

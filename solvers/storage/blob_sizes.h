@@ -59,7 +59,8 @@ inline constexpr std::int64_t kOfNumbers = 1 << 16;
 [[nodiscard]] inline Size<Index> cells(std::int64_t num_cells, int nodes_per_cell) {
   return exactly<Index>(num_cells * nodes_per_cell);
 }
-[[nodiscard]] inline Size<Index> material_of_cell(std::int64_t num_cells) {
+/// The column material_of_cell, and part_of_cell of table body_contact.
+[[nodiscard]] inline Size<Index> of_cells(std::int64_t num_cells) {
   return none_or<Index>(num_cells);
 }
 /// The columns fixed and touchable.

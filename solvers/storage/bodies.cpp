@@ -27,6 +27,7 @@ using sqlite::Statement;
 
 constexpr char kBodyForce[] = "body_force";
 constexpr char kBoundary[] = "boundary_array";
+constexpr char kContact[] = "body_contact";
 
 /// @tparam Values std::vector or Eigen::VectorXd.
 template <class Values>
@@ -156,11 +157,24 @@ void write_body_force(const Database& database, BodyId body, const Scene& scene,
   insert.run();
 }
 
+/// @param scene Its parts must touch each other.
+void write_contact(const Database& database, BodyId body, const Scene& scene) {
+  make_table(database, kContact);
+  Statement insert(database, Table(kContact).insert("ABORT"));
+  insert.bind(body);
+  insert.bind(static_cast<std::int64_t>(scene.organ.touching));
+  insert.bind(scene.organ.contact.thickness);
+  insert.bind(scene.organ.contact.stiffness);
+  bind_array(insert, scene.body.part_of_cell);
+  insert.run();
+}
+
 void write_body(const Database& database, BodyId body, const Scene& scene,
                 const SettledBody& at_rest, double solver_tolerance) {
   write_scene(database, body, scene, solver_tolerance);
   if (scene.organ.has_body_force()) write_body_force(database, body, scene, at_rest);
   if (scene.body.has_supports_or_surface_loads()) write_boundary(database, body, scene, at_rest);
+  if (scene.organ.touching != TouchingParts::none) write_contact(database, body, scene);
 }
 
 }  // namespace
@@ -269,6 +283,7 @@ Scene Bodies::read(BodyId body) const {
   SettledBody at_rest;
   if (has_table(database, kBodyForce)) read_body_force(body, scene.organ, at_rest);
   if (has_table(database, kBoundary)) read_boundary(body, scene, at_rest);
+  if (has_table(database, kContact)) read_contact(body, scene);
   if (hash(scene) != stored_hash) {
     throw_damaged(database.path(), "the scene has not the hash it was stored with");
   }
@@ -361,7 +376,7 @@ void Bodies::read_materials(BodyId body, Scene& scene) const {
     Statement select(database, "SELECT material_of_cell FROM scene WHERE scene_id = ?");
     select.bind(body);
     select.step();
-    take_array(select, blobs::material_of_cell(head(body).num_cells), database, "material_of_cell",
+    take_array(select, blobs::of_cells(head(body).num_cells), database, "material_of_cell",
                scene.body.material_of_cell);
   }
   Statement select(database, "SELECT " + Table("material").columns("law", "") +
@@ -391,6 +406,22 @@ void Bodies::read_materials(BodyId body, Scene& scene) const {
                   [&](Index m) { return m < 0 || m >= known_materials; })) {
     throw_damaged(connection_.path(), "a material is missing");
   }
+}
+
+void Bodies::read_contact(BodyId body, Scene& scene) const {
+  const Database& database = connection_.database();
+  Statement select(database,
+                   "SELECT touching, thickness, stiffness, part_of_cell FROM body_contact WHERE "
+                   "scene_id = ?");
+  select.bind(body);
+  if (!select.step()) throw_damaged(connection_.path(), "the contact of the parts is missing");
+  const std::int64_t touching = select.take_integer();
+  if (touching < 1 || touching > 2) throw_damaged(connection_.path(), "an unknown contact");
+  scene.organ.touching = static_cast<TouchingParts>(touching);
+  scene.organ.contact.thickness = select.take_double();
+  scene.organ.contact.stiffness = select.take_double();
+  take_array(select, blobs::of_cells(head(body).num_cells), database, "part_of_cell",
+             scene.body.part_of_cell);
 }
 
 void Bodies::read_body_force(BodyId body, Organ& organ, SettledBody& at_rest) const {

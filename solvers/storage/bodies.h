@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bodies of a file: the tables scene, material, body_force and boundary_array.
+// The bodies of a file: the tables scene, material, body_force, boundary_array
+// and body_contact.
 //
 // A file has one body at least. Several are discretisations of one organ: they have meshes of their
 // own, the same materials and body force, and all or none of them supports and loads of the
@@ -95,6 +96,9 @@ class Bodies {
   /// Reads what holds and loads the surface, and the body's rest if it is stored there.
   /// @throws InputError it is damaged.
   void read_boundary(BodyId body, Scene& scene, SettledBody& at_rest) const;
+  /// Reads which parts touch each other.
+  /// @throws InputError it is damaged.
+  void read_contact(BodyId body, Scene& scene) const;
 
   Connection& connection_;
   std::map<BodyId, BodyHead> heads_;

@@ -245,6 +245,18 @@ CREATE TABLE boundary_array (
 );
 )sql";
 
+// The table of contact is made with the file of a scene whose parts touch each other.
+inline constexpr char kBodyContactSchema[] = R"sql(
+CREATE TABLE body_contact (
+  scene_id     INTEGER PRIMARY KEY REFERENCES scene,
+  touching     INTEGER NOT NULL,      -- 1: each part touches the others, 2: itself too
+  thickness    NOT NULL,              -- of the layer in which they press each other, m
+  stiffness    NOT NULL,              -- the pressure at the end of the layer, Pa
+  part_of_cell BLOB                   -- int32 [num_cells]; NULL: there is one part. The hash of the
+                                      -- scene takes in all of this
+);
+)sql";
+
 // The table of offsets is made when the tool space of a rigid tool is stored that has one.
 inline constexpr char kContactOffsetSchema[] = R"sql(
 CREATE TABLE contact_offset (
@@ -315,6 +327,7 @@ struct OptionalTable {
 inline constexpr OptionalTable optional_tables[] = {
     {"reduced_array", kReducedSchema},   {"body_force", kBodyForceSchema},
     {"boundary_array", kBoundarySchema}, {"contact_offset", kContactOffsetSchema},
-    {"mesh_region", kMeshRegionSchema},  {"mesh_error", kMeshErrorSchema}};
+    {"mesh_region", kMeshRegionSchema},  {"mesh_error", kMeshErrorSchema},
+    {"body_contact", kBodyContactSchema}};
 
 }  // namespace palpate::storage

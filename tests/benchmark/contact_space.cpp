@@ -292,6 +292,8 @@ void print_sides(const TouchToolSpace& space, const ToolForce& force,
     const Vec3 out = clearance.approach(q).out;
     std::vector<Vec3> exact;
     std::vector<TouchResult> felt;
+    std::vector<Vec3> starts;
+    std::vector<std::int32_t> branches;
     for (const double sign : {1.0, -1.0}) {
       const std::optional<Vec3> from = outside(clearance, q, sign * out);
       if (!from) break;
@@ -317,15 +319,24 @@ void print_sides(const TouchToolSpace& space, const ToolForce& force,
       if (state.outcome != Outcome::converged) break;
       exact.emplace_back(state.reaction);
       felt.push_back(force.evaluate(q, branch));
+      starts.push_back(*from);
+      branches.push_back(branch.number);
     }
     if (exact.size() < 2 || (exact[0] - exact[1]).norm() < 0.05 * largest) continue;
     ++num_different;
     for (std::size_t side = 0; side < 2; ++side) {
       if (felt[side].support == Support::marked) {
         ++num_marked;
-      } else {
-        errors.push_back((felt[side].force - exact[side]).norm());
+        continue;
       }
+      errors.push_back((felt[side].force - exact[side]).norm());
+      if (errors.back() < 0.01 * largest) continue;
+      std::printf(
+          "%.5f %.5f %.5f from %.5f %.5f %.5f: exact %.4f %.4f %.4f N, felt %.4f %.4f %.4f N on "
+          "branch %d\n",
+          q[0], q[1], q[2], starts[side][0], starts[side][1], starts[side][2], exact[side][0],
+          exact[side][1], exact[side][2], felt[side].force[0], felt[side].force[1],
+          felt[side].force[2], branches[side]);
     }
   }
   std::printf(

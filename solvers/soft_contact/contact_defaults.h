@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The law of contact between parts where the user gives none.
+#pragma once
+
+#include "assembly/scene.h"
+
+namespace palpate {
+
+/// A fifth of the mean edge of the surface, m: the mesh does not resolve a thinner layer.
+[[nodiscard]] double usual_contact_thickness(const TetMesh& mesh);
+/// Twice the least Young's modulus under the surface, Pa.
+[[nodiscard]] double usual_contact_stiffness(const Scene& scene);
+
+/// Gives the contact of the parts, if they have one, the usual thickness and stiffness where these
+/// are 0.
+[[nodiscard]] Scene with_contact_defaults(Scene scene);
+
+}  // namespace palpate
