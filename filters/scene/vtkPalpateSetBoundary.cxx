@@ -337,7 +337,7 @@ int vtkPalpateSetBoundary::RequestData(
       }
       if (this->Contact != NO_CONTACT)
       {
-        this->Touch(body, palpate::find_pieces(scene.body.mesh).of_cell, scene);
+        this->Touch(body, scene);
       }
       scene.body.touchable =
         vtkPalpateTouchableSurface(scene.body.mesh, vtkPalpateHeldPoints(scene));
@@ -358,7 +358,8 @@ int vtkPalpateSetBoundary::RequestData(
       {
         vtkPalpateAddInteger(output, "MergedPoints", touching.num_coincident);
       }
-      if (const auto text = palpate::describe(touching, pieces.size(), this->Merge))
+      const auto text = palpate::describe(touching, pieces.size(), this->Merge);
+      if (text && scene.organ.touching == palpate::TouchingParts::none)
       {
         vtkPalpateWarn(this, *text);
       }
@@ -475,8 +476,7 @@ void vtkPalpateSetBoundary::Hold(const std::vector<char>& points, palpate::Scene
   }
 }
 
-void vtkPalpateSetBoundary::Touch(
-  vtkUnstructuredGrid* body, const std::vector<Index>& pieceOfCell, palpate::Scene& scene) const
+void vtkPalpateSetBoundary::Touch(vtkUnstructuredGrid* body, palpate::Scene& scene) const
 {
   if (this->Contact != BETWEEN_PARTS && this->Contact != ALSO_WITH_THEMSELVES)
   {
@@ -493,7 +493,7 @@ void vtkPalpateSetBoundary::Touch(
     }
   }
   std::vector<Index>& parts = scene.body.part_of_cell;
-  parts = pieceOfCell;
+  parts = palpate::find_pieces(scene.body.mesh).of_cell;
   if (this->PartsBy == PART_ARRAY)
   {
     vtkDataArray* array = vtkPalpateScalarArray(body->GetCellData(), this->PartArray.c_str());
@@ -600,7 +600,7 @@ void vtkPalpateSetBoundary::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "PartsBy: " << this->PartsBy << '\n'
      << indent << "PartArray: " << this->PartArray << '\n'
      << indent << "ContactThickness: " << this->ContactThickness << " m\n"
-     << indent << "ContactStiffness: " << this->ContactStiffness << " Pa\n'
+     << indent << "ContactStiffness: " << this->ContactStiffness << " Pa\n"
      << indent << "Support: " << this->Support << '\n'
      << indent << "HeldDirection: " << Vec3(this->HeldDirection).transpose() << '\n'
      << indent << "SupportStiffness: " << this->SupportStiffness << " N/m^3\n"

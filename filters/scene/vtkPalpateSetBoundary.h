@@ -27,7 +27,6 @@
 #include <vector>
 
 #include "PalpateSceneModule.h"
-#include "base/types.h"
 #include "vtkSmartPointer.h"
 #include "vtkUnstructuredGridAlgorithm.h"
 
@@ -178,8 +177,7 @@ private:
   /// Holds the chosen points of a scene, which already has its mesh and the arrays of its grid.
   void Hold(const std::vector<char>& chosen, palpate::Scene& scene) const;
   /// Lets the parts touch each other.
-  void Touch(vtkUnstructuredGrid* body, const std::vector<palpate::Index>& pieceOfCell,
-    palpate::Scene& scene) const;
+  void Touch(vtkUnstructuredGrid* body, palpate::Scene& scene) const;
   /// Loads the faces of the chosen points. @returns The area that bears such a load, m².
   double LoadFaces(const std::vector<char>& chosen, palpate::Scene& scene) const;
 

@@ -12,6 +12,7 @@
 #include "interaction/mesh_error.h"
 #include "interaction/rigid_tool.h"
 #include "interaction/tool_clearance.h"
+#include "soft_contact/soft_contact.h"
 #include "vtkInformation.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateActiveNodes.h"
@@ -22,6 +23,7 @@
 #include "vtkPalpateInput.h"
 #include "vtkPalpateKeptRun.h"
 #include "vtkPalpateProgress.h"
+#include "vtkPalpatePartContact.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateToolPath.h"
 #include "vtkPointData.h"
@@ -129,6 +131,8 @@ struct vtkPalpateSolveDynamics::Run
   std::vector<palpate::RigidContact> Contacts;
   /// The modulus of the body where the tools press, Pa, and the order of its cells.
   double ContactModulus = 0;
+  /// The contact of the parts with each other; null: they have none.
+  std::shared_ptr<const palpate::SoftContact> PartContact;
   palpate::ElementOrder Order{};
   std::unique_ptr<vtkPalpateFrames> Frames;
   std::vector<Step> Steps;
@@ -215,6 +219,7 @@ std::unique_ptr<vtkPalpateSolveDynamics::Run> vtkPalpateSolveDynamics::Compute(
   {
     run->Body = body;
     run->Contacts = setup.Contacts;
+    run->PartContact = palpate::make_soft_contact(setup.Scene);
     run->ContactModulus = setup.Contacts.empty() ? 0 : palpate::mean_contact_modulus(setup.Scene);
     run->Order = setup.Scene.body.mesh.order;
     palpate::with_memory("to solve for the motion of the body",
@@ -345,6 +350,10 @@ void vtkPalpateSolveDynamics::Show(
     : 1;
   const Eigen::VectorXd force = (1 - share) * from.Force + share * to.Force;
   const Eigen::VectorXd position = (1 - share) * from.Position + share * to.Position;
+  if (run.PartContact)
+  {
+    vtkPalpateAddPartContact(*run.PartContact, u, output);
+  }
   if (!run.Contacts.empty())
   {
     vtkNew<vtkDoubleArray> pressure;

@@ -19,6 +19,7 @@
 #include "interaction/interaction.h"
 #include "interaction/mesh_error.h"
 #include "interaction/rigid_tool.h"
+#include "soft_contact/soft_contact.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkInformation.h"
@@ -29,6 +30,7 @@
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFields.h"
 #include "vtkPalpateGuard.h"
+#include "vtkPalpatePartContact.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateSceneToEstimate.h"
 #include "vtkPalpateStress.h"
@@ -306,6 +308,10 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
   if (route.Contact)
   {
     this->AddContact(scene, route, state, output);
+  }
+  if (const auto contact = palpate::make_soft_contact(scene))
+  {
+    vtkPalpateAddPartContact(*contact, state.u, output);
   }
   // A body that finds no rest has no sensitivity.
   if (this->EstimateMeshError && state.v.size() > 0)

@@ -48,7 +48,8 @@ MeshErrorEstimator::MeshErrorEstimator(const Scene& scene, const Assembly& assem
     : recovery_(scene.body.mesh, scene.body.material_of_cell),
       pressures_(scene.body.mesh, assembly.pressures_of_corners(), assembly.num_pressures()),
       mesh_(scene.body.mesh),
-      mean_edge_(assembly.mean_edge()) {
+      mean_edge_(assembly.mean_edge()),
+      has_contact_(scene.organ.touching != TouchingParts::none) {
   std::map<std::pair<Law, bool>, Group> groups;
   const int points_per_cell = recovery_.points_per_cell();
   for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
@@ -182,8 +183,8 @@ MeshErrorEstimate MeshErrorEstimator::estimate(const LinearisedState& at,
     return std::abs(at_recovered - squared) <= kMostChange * squared;
   };
   estimate.is_reliable = estimate.is_small && share <= kMost && !estimate.is_bonded_to_few &&
-                         !estimate.is_mixed && mesh_.order == ElementOrder::quadratic &&
-                         hardly_changes();
+                         !estimate.is_mixed && !has_contact_ &&
+                         mesh_.order == ElementOrder::quadratic && hardly_changes();
   return estimate;
 }
 

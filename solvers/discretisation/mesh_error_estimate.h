@@ -66,7 +66,8 @@ struct MeshErrorEstimate {
   ///   whole;
   /// - where the tangent at H and that at H* give different norms: the recovered gradient is too
   /// far
-  ///   away for a law that stiffens so steeply.
+  ///   away for a law that stiffens so steeply;
+  /// - for bodies whose parts touch each other, for which it was never measured.
   bool is_reliable = true;
 };
 
@@ -121,6 +122,7 @@ class MeshErrorEstimator {
   std::vector<Group> groups_;
   const TetMesh& mesh_;
   double mean_edge_;
+  bool has_contact_;
 };
 
 }  // namespace palpate

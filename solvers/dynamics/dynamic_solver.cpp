@@ -21,6 +21,7 @@
 #include "equilibrium/ramp.h"
 #include "interaction/held_points.h"
 #include "interaction/interaction_list.h"
+#include "soft_contact/soft_contact.h"
 #include "threads/thread_team.h"
 
 namespace palpate {
@@ -111,12 +112,13 @@ class DynamicSolver::Impl {
         rheologies_(checked(scene, rheologies)),
         options_(std::move(options)),
         all_tools_(as_list(tools)),
+        contact_(make_soft_contact(scene)),
+        further_(with_contact(contact_.get(), terms)),
         system_(scene, std::move(linear_solver), std::max(2, options_.equilibrium.kept_factors),
                 options_.equilibrium.single_precision ? Precision::single_if_safe : Precision::full,
-                terms),
+                further_),
         mass_(scene.body, densities(rheologies_), system_.assembly()),
-        term_(system_.assembly(), mass_, mass_.weight(options_.gravity)),
-        further_(terms) {
+        term_(system_.assembly(), mass_, mass_.weight(options_.gravity)) {
     if (scene_.body.has_supports_or_surface_loads()) external_.emplace(scene_, system_.assembly());
     system_.set_interaction(all_tools_);
     require_held();
@@ -222,8 +224,10 @@ class DynamicSolver::Impl {
   [[nodiscard]] static DynamicState untried(const DynamicState& from, double length) {
     DynamicState to;
     to.outcome = Outcome::not_converged;
-    to.message = "In the step of " + quantity(length, "s") + " from " + quantity(from.motion.time) +
-                 " s on a tool moves so far that it could pass through the body.";
+    to.message =
+        "In the step of " + quantity(length, "s") + " from " + quantity(from.motion.time) +
+        " s on a tool moves so far that it could pass through the body, or a part of it through "
+        "another one.";
     return to;
   }
 
@@ -402,10 +406,12 @@ class DynamicSolver::Impl {
     const NodalVector predicted = extrapolated(from.motion.time + length);
     x.head(predicted.size()) = predicted;
     system_.prescribe(q, x);
-    if (!system_.evaluate(q, x).is_finite()) {
+    const auto is_safe = [&] { return system_.longest_share(last_x_, x - last_x_) == 1; };
+    if (!is_safe() || !system_.evaluate(q, x).is_finite()) {
       x = last_x_;
       x.head(predicted.size()) = from.motion.u;
       system_.prescribe(q, x);
+      if (!is_safe()) return untried(from, length);
     }
     LinearisedState start;
     if (factor_of_) {
@@ -604,13 +610,15 @@ class DynamicSolver::Impl {
   /// Whether each tool was let go.
   std::vector<char> released_;
   std::unique_ptr<Team> team_;
+  /// The contact of the parts with each other; null: they have none.
+  std::unique_ptr<const SoftContact> contact_;
+  /// That contact, and energy terms that do not follow from the scene.
+  std::vector<const EnergyTerm*> further_;
   CondensedSystem system_;
   MassMatrix mass_;
   StepTerm term_;
   /// Supports, and loads other than gravity; empty: there are none.
   std::optional<ExternalEnergy> external_;
-  /// Energy terms that do not follow from the scene.
-  std::vector<const EnergyTerm*> further_;
   std::optional<Viscosity> viscosity_;
   /// The state of rest in which the motion begins [state_size].
   NodalVector rest_;

@@ -115,16 +115,15 @@ class EquilibriumSolver::Impl {
        const std::vector<const EnergyTerm*>& terms, std::unique_ptr<Team> team)
       : options_(std::move(options)),
         team_(std::move(team)),
-        contact_(scene.organ.touching == TouchingParts::none
-                     ? nullptr
-                     : std::make_unique<const SoftContact>(scene)),
+        contact_(make_soft_contact(scene)),
         system_(scene, std::move(solver), options_.kept_factors,
                 options_.single_precision ? Precision::single_if_safe : Precision::full,
-                with_contact(terms)),
+                with_contact(contact_.get(), terms)),
         support_(scene.body.mesh, system_.holding_points()),
         rest_(NodalVector::Zero(system_.assembly().state_size())) {
     settled_.outcome = Outcome::converged;
-    if (scene.has_load() || !scene.body.support_stiffness.empty() || !with_contact(terms).empty()) {
+    if (scene.has_load() || !scene.body.support_stiffness.empty() ||
+        !with_contact(contact_.get(), terms).empty()) {
       set_external(scene, terms);
     }
   }
@@ -165,9 +164,6 @@ class EquilibriumSolver::Impl {
   };
 
   void begin();
-  /// The contact of the parts with each other, if they have one, and further terms.
-  [[nodiscard]] std::vector<const EnergyTerm*> with_contact(
-      const std::vector<const EnergyTerm*>& terms) const;
   /// Finds the rest of the body under its loads and springs and with further terms.
   void set_external(const Scene& scene, const std::vector<const EnergyTerm*>& terms);
   void require_coordinates(const Eigen::VectorXd& t) const;
@@ -232,13 +228,6 @@ void EquilibriumSolver::Impl::begin() {
   system_.begin_solve();
 }
 
-std::vector<const EnergyTerm*> EquilibriumSolver::Impl::with_contact(
-    const std::vector<const EnergyTerm*>& terms) const {
-  std::vector<const EnergyTerm*> all = terms;
-  if (contact_ != nullptr) all.insert(all.begin(), contact_.get());
-  return all;
-}
-
 void EquilibriumSolver::Impl::require_coordinates(const Eigen::VectorXd& t) const {
   if (system_.num_coordinates() == 0) throw InputError("No active node was chosen.");
   if (t.size() != system_.num_coordinates()) {
@@ -262,7 +251,7 @@ void EquilibriumSolver::Impl::set_external(const Scene& scene,
   begin();
   const Assembly& assembly = system_.assembly();
   external_.emplace(scene, assembly);
-  std::vector<const EnergyTerm*> all = with_contact(terms);
+  std::vector<const EnergyTerm*> all = with_contact(contact_.get(), terms);
   all.insert(all.begin(), &*external_);
   system_.set_terms(std::move(all));
   system_.set_interaction(InteractionList());
@@ -284,7 +273,7 @@ void EquilibriumSolver::Impl::set_external(const Scene& scene,
   const double of_materials = assembly.residual(rest_, force).energy;
   const double of_external = external_->add(rest_, force, nullptr);
   double of_terms = 0;
-  for (const EnergyTerm* term : with_contact(terms)) {
+  for (const EnergyTerm* term : with_contact(contact_.get(), terms)) {
     of_terms += term->add(rest_, force, nullptr);
   }
   system_.set_energies_at_rest(std::abs(of_materials) + std::abs(of_external) + std::abs(of_terms));

@@ -12,12 +12,8 @@ namespace {
 /// Along an edge of a smooth force the residual of the energy falls to 1/32 if the edge is halved,
 /// and to a quarter where contact begins; where the force jumps it falls to a half.
 constexpr double kShrinks = 0.25;
-/// Misfits from which on an edge is suspected. At the ridges of a liver with cells of 0.4 radii,
-/// half of the transitions along such edges find a new level, and three quarters of all edges that
-/// lead to one are among them; the others are found from there. Edges of half these misfits are
-/// three times as many.
+/// The misfit of the energy from which on an edge is suspected, see kForceMisfitAcross.
 constexpr double kEnergyMisfit = 0.05;
-constexpr double kForceMisfit = 0.3;
 
 CheckPoint moved(CheckPoint p, int axis, std::int32_t steps) {
   p[axis] += steps;
@@ -62,7 +58,7 @@ class Suspects {
     const ConfigurationSummary* a = search_.flat_at(p);
     const ConfigurationSummary* b = search_.flat_at(moved(p, axis, steps));
     if (a == nullptr || b == nullptr) return false;
-    if (fit_.force_misfit(*a, *b) > kForceMisfit) return true;
+    if (fit_.force_misfit(*a, *b) > kForceMisfitAcross) return true;
     if (!(fit_.energy_misfit(*a, *b) > kEnergyMisfit)) return false;
     // The residual of this edge is compared with those of edges twice as long that contain it.
     const double of_long =

@@ -60,6 +60,8 @@ class ShellBuilder {
       std::sort(members.begin(), members.end());
     }
     result.ends = ends(result);
+    result.any_end = result.any_end || std::find(result.ends.begin(), result.ends.end(),
+                                                 BranchEnd::untried) != result.ends.end();
     for (std::size_t l = 0; l < tree_.leaves().size() && !result.any_end; ++l) {
       const bool is_spanned = branches_at_.count(static_cast<std::int32_t>(l)) > 0;
       result.any_end = !is_spanned && is_complete(tree_.leaves()[l].cell);
@@ -252,8 +254,8 @@ class ShellBuilder {
   }
 
   /// Where a branch has nothing at the corners of a leaf, it ends.
-  [[nodiscard]] std::vector<char> ends(const ShellBranches& found) const {
-    std::vector<char> all(found.next.size(), 1);
+  [[nodiscard]] std::vector<BranchEnd> ends(const ShellBranches& found) const {
+    std::vector<BranchEnd> all(found.next.size(), BranchEnd::tried);
     std::vector<std::set<std::int32_t>> wrong;
     for (std::size_t s = 0; s < branches_.size(); ++s) wrong.push_back(may_be_wrong(s, found));
     for (const LeafOfBranch& part : found.parts) {
@@ -265,9 +267,32 @@ class ShellBuilder {
       const bool goes_on = num_shared(branches_[s], other, cell) == num_own;
       const bool is_spanned = branches_at_.count(part.leaf) > 0;
       const bool ends = num_own < 8 ? !(goes_on && is_spanned) : wrong[s].count(part.leaf) > 0;
-      all[at] = ends ? 1 : 0;
+      all[at] = !ends                            ? BranchEnd::none
+                : is_untried(branches_[s], cell) ? BranchEnd::untried
+                                                 : BranchEnd::tried;
     }
     return all;
+  }
+
+  /// Whether along an edge of a cell no transition was tried where a branch ends, or where its
+  /// energy does not fit its forces.
+  [[nodiscard]] bool is_untried(const Branch& branch, const Cell& cell) const {
+    for (int corner = 0; corner < 8; ++corner) {
+      const CheckPoint p = corner_of(cell, corner);
+      const auto here = branch.find(p);
+      if (here == branch.end() || here->second.layer == kMargin) continue;
+      const ConfigurationSummary& from = all_[here->second.configuration];
+      for (int axis = 0; axis < 3; ++axis) {
+        const CheckPoint q = corner_of(cell, corner ^ (1 << axis));
+        const auto beside = branch.find(q);
+        const bool goes_on =
+            beside != branch.end() &&
+            !(fit_.force_misfit(from, all_[beside->second.configuration]) > kForceMisfitAcross);
+        if (goes_on || at_.count(q) == 0 || !from.leads_on()) continue;
+        if (from.reached[neighbour_number(p, q)] == not_tried) return true;
+      }
+    }
+    return false;
   }
 
   /// How many layers of cells a check-point is away from where the energy of a branch does not fit

@@ -45,6 +45,17 @@ struct LeafOfBranch {
   return a.leaf != b.leaf ? a.leaf < b.leaf : a.branch < b.branch;
 }
 
+enum class BranchEnd : char {
+  /// It goes on with the next one.
+  none,
+  /// It does not span the leaf, and not all that it has there is on the next one, so that the body
+  /// may be on it still; or it spans the leaf, but its force may be wrong there.
+  tried,
+  /// The same, and where it ends, or its energy does not fit, no transition was tried: it may go on
+  /// beyond what is known of it.
+  untried
+};
+
 struct ShellBranches {
   /// The configurations of each branch: indices into the list of the space, ascending.
   std::vector<std::vector<std::int32_t>> configurations;
@@ -53,14 +64,13 @@ struct ShellBranches {
   /// For each leaf and each branch that the body came on, the branch that it goes on with [leaves ×
   /// branches].
   std::vector<std::int16_t> next;
-  /// For the same, whether the branch may end within the leaf [leaves × branches]: it does not span
-  /// the leaf, and not all that it has there is on the next one, so that the body may be on it
-  /// still; or it spans the leaf, but its force may be wrong there.
-  std::vector<char> ends;
+  /// For the same, whether the branch may end within the leaf [leaves × branches].
+  std::vector<BranchEnd> ends;
   /// Where a branch has anything at the corners of a leaf, in the order of operator<.
   std::vector<LeafOfBranch> parts;
   /// Whether there are several branches, or the only one does not span a leaf at all of whose
-  /// corners there are configurations. Where it spans all of them nothing snaps.
+  /// corners there are configurations, or has an end that nobody has tried. Where it spans all of
+  /// them nothing snaps.
   bool any_end = false;
 };
 

@@ -11,6 +11,9 @@
 #include <numeric>
 #include <utility>
 
+#include "interpolation/branch_test.h"
+#include "interpolation/leaf_edges.h"
+
 namespace palpate {
 namespace {
 
@@ -235,6 +238,28 @@ class Builder {
   std::map<CheckPoint, std::vector<std::size_t>> branches_at_;
 };
 
+/// Whether a space of a rigid tool has an edge that a search for levels would try.
+bool is_torn(const Grid& grid, const std::vector<ConfigurationSummary>& all) {
+  const EdgeFit fit(all);
+  const LeafEdges edges{CellTree(grid, all)};
+  const auto find = [&](const CheckPoint& p) -> const ConfigurationSummary* {
+    const auto at = std::lower_bound(
+        all.begin(), all.end(), p,
+        [](const ConfigurationSummary& c, const CheckPoint& q) { return c.check_point < q; });
+    return at != all.end() && at->check_point == p && at->usable() ? &*at : nullptr;
+  };
+  bool is_found = false;
+  edges.for_each([&](const CheckPoint& p, int axis, std::int32_t steps) {
+    if (is_found) return;
+    CheckPoint q = p;
+    q[axis] += steps;
+    const ConfigurationSummary* a = find(p);
+    const ConfigurationSummary* b = find(q);
+    is_found = a != nullptr && b != nullptr && fit.force_misfit(*a, *b) > kForceMisfitAcross;
+  });
+  return is_found;
+}
+
 }  // namespace
 
 SolutionBranches::SolutionBranches(const TouchToolSpace& tool_space)
@@ -244,7 +269,9 @@ SolutionBranches::SolutionBranches(const TouchToolSpace& tool_space)
   const auto& all = tool_space.configurations;
   const auto has_history = [](const ConfigurationSummary& c) { return c.has_history(); };
   const bool has_levels = std::any_of(all.begin(), all.end(), has_history);
-  if (tool_space.setup.grid.sparse && has_levels) {
+  const bool is_shell = tool_space.setup.grid.sparse;
+  const bool may_have = is_shell && tool_space.setup.policy.history != History::flat;
+  if (is_shell && (has_levels || (may_have && is_torn(tool_space.setup.grid, all)))) {
     ShellBranches found = find_shell_branches(tool_space.setup.grid, all);
     configurations_ = std::move(found.configurations);
     if (found.any_end) {
@@ -306,19 +333,19 @@ std::int32_t SolutionBranches::leaf_at(const Vec3& t) const noexcept {
 bool SolutionBranches::ends_at(int branch, const Vec3& t) const noexcept {
   if (!leaves_ || !t.allFinite()) return false;
   const std::int32_t leaf = leaf_at(t);
-  return leaf >= 0 && ends_[place_of(leaf, branch)] != 0;
+  return leaf >= 0 && ends_[place_of(leaf, branch)] != BranchEnd::none;
 }
 
-bool SolutionBranches::may_be_on(std::int32_t leaf, std::int32_t branch,
-                                 std::int32_t other) const noexcept {
+bool SolutionBranches::may_be_on_left(std::int32_t leaf, const OnBranch& branch) const noexcept {
+  if (branch.left < 0) return false;
   const auto find = [&](std::int32_t of) {
     const LeafOfBranch sought{leaf, of, {}};
     const auto found = std::lower_bound(parts_.begin(), parts_.end(), sought);
     return found != parts_.end() && !(sought < *found) ? &*found : nullptr;
   };
-  const LeafOfBranch* own = find(branch);
-  if (own == nullptr) return false;
-  const LeafOfBranch* others = find(other);
+  const LeafOfBranch* own = find(branch.left);
+  if (own == nullptr || branch.left == branch.number) return branch.is_untried;
+  const LeafOfBranch* others = find(branch.number);
   for (std::size_t corner = 0; corner < 8; ++corner) {
     const std::int32_t here = own->configurations[corner];
     if (here < 0 || others == nullptr || others->configurations[corner] != here) return true;
@@ -332,8 +359,14 @@ OnBranch SolutionBranches::follow_in_leaves(OnBranch branch, const Vec3& t) cons
   const std::size_t place = place_of(leaf, branch.number);
   const std::int32_t before = branch.number;
   branch.number = next_[place];
-  if (ends_[place] != 0) branch.left = before;
-  if (branch.left >= 0 && !may_be_on(leaf, branch.left, branch.number)) branch.left = -1;
+  if (ends_[place] != BranchEnd::none) {
+    branch.left = before;
+    branch.is_untried = branch.is_untried || ends_[place] == BranchEnd::untried;
+  }
+  if (!may_be_on_left(leaf, branch)) {
+    branch.left = -1;
+    branch.is_untried = false;
+  }
   return branch;
 }
 

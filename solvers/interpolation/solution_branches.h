@@ -29,6 +29,9 @@ struct OnBranch {
   /// In the space of a rigid tool, the branch that the body has left where it ends, as long as it
   /// is moved among cells with configurations of that: it may be on that one still; −1: none.
   std::int32_t left = -1;
+  /// Whether nobody has tried how that one goes on (BranchEnd::untried). Then the body may be on it
+  /// until the tool touches nothing, or all that it has is on the present one too.
+  bool is_untried = false;
 };
 
 /// Immutable. It copies all that it needs, so that the tool space need not outlive it.
@@ -74,9 +77,9 @@ class SolutionBranches {
   /// In the space of a rigid tool, the leaf that has a place; −1: there is none.
   [[nodiscard]] std::int32_t leaf_at(const Vec3& t) const noexcept;
   /// Whether a body that has left a branch for another one may be on the former in a leaf: it has
-  /// something there, and is not the same as the other one at all corners.
-  [[nodiscard]] bool may_be_on(std::int32_t leaf, std::int32_t branch,
-                               std::int32_t other) const noexcept;
+  /// something there, or nobody has tried how it goes on, and it is not the same as the other one at
+  /// all corners.
+  [[nodiscard]] bool may_be_on_left(std::int32_t leaf, const OnBranch& branch) const noexcept;
   [[nodiscard]] std::size_t place_of(std::int32_t leaf, std::int32_t branch) const noexcept {
     return static_cast<std::size_t>(leaf) * configurations_.size() +
            static_cast<std::size_t>(branch);
@@ -97,7 +100,7 @@ class SolutionBranches {
   /// [cells × size], those of a cell next to each other.
   std::vector<std::int16_t> next_;
   /// For the same, whether the branch ends there.
-  std::vector<char> ends_;
+  std::vector<BranchEnd> ends_;
   std::vector<LeafOfBranch> parts_;
 };
 

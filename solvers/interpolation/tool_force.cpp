@@ -93,10 +93,12 @@ void ToolForce::take_only(const TouchToolSpace& tool_space, const ToolForce* bef
   auto branches = std::make_shared<const SolutionBranches>(tool_space);
   has_levels_ = std::any_of(tool_space.configurations.begin(), tool_space.configurations.end(),
                             [](const ConfigurationSummary& c) { return c.level != 0; });
-  // When the first level is found, the flags of others change, see restricted().
-  const bool grows = before != nullptr && before->has_levels_ == has_levels_;
+  is_whole_ = !has_levels_ && branches->is_one_whole();
+  // When the first level or end is found, the flags of others change, see restricted().
+  const bool grows = before != nullptr && before->has_levels_ == has_levels_ &&
+                     before->is_whole_ == is_whole_;
   const Interpolator* flat = grows ? before->parts_.front().force.get() : nullptr;
-  if (!has_levels_ && branches->is_one_whole()) {
+  if (is_whole_) {
     parts_.push_back({key, make_interpolator(method_, tool_space, options_, flat, changed)});
   } else {
     for (int branch = 0; branch < branches->size(); ++branch) {

@@ -178,6 +178,8 @@ class ToolForce {
   std::vector<std::shared_ptr<const Interpolator>> on_further_branch_;
   /// Whether a space for the whole organ has configurations of levels above 0.
   bool has_levels_ = false;
+  /// Whether it has none, and one branch that ends nowhere.
+  bool is_whole_ = true;
   /// Of each branch, if there are levels or several branches, in the order of its configurations.
   std::vector<std::vector<Member>> members_;
 };

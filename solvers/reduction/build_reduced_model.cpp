@@ -89,8 +89,14 @@ void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies
   for (const Rheology& rheology : rheologies) validate(rheology);
 }
 
-/// A pressure that follows the surface would add an energy that is not quadratic.
+/// A pressure that follows the surface, and contact, would add an energy that the model has not.
 void check_loads(const Scene& scene) {
+  if (scene.organ.touching != TouchingParts::none) {
+    throw InputError(
+        "A reduced model does not know that parts of the body touch each other: its error would "
+        "not be what it tells. Take Solve Dynamics or Precompute State Space, or leave Contact of "
+        "Set Boundary at None.");
+  }
   if (scene.body.applied_pressure.empty()) return;
   throw InputError(
       "A reduced model bears no AppliedPressure, which follows the surface: its error would not be "

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
+#include <map>
+#include <optional>
 
 #include "base/error.h"
 #include "base/quantity.h"
 #include "mesh/box_tree.h"
+#include "mesh/surface_tree.h"
 
 namespace palpate {
 namespace {
@@ -25,6 +27,15 @@ constexpr double kSpacingOfEdge = 1 / 7.5;
 constexpr double kFacing = 0.5;
 /// S₀ as a share of S beside a plane.
 constexpr double kLeastCover = 0.05;
+/// S in S₀ up to which there is no contact.
+constexpr double kNoCover = 0.01;
+/// A point sees enough of the other side, in S₀, to know that it is too deep inside. At the depth
+/// ρ/2 a plane has 4.7, and half of a plane half of that.
+constexpr double kSeen = 2;
+/// Points of one part are on two sides of it, and do not touch, if at rest they are within so many
+/// ρ and one is behind the surface at the other by this share of their distance.
+constexpr double kSameNeighbourhood = 2;
+constexpr double kBehind = 0.1;
 /// How far beyond ρ neighbours are searched for, in ρ.
 constexpr double kMargin = 0.5;
 /// No point of a face moves by more than this times its farthest node: Σ |N_a| ≤ 5/3.
@@ -53,6 +64,62 @@ double mean_edge(const ContactPoints& points) {
     }
   }
   return sum / (3 * points.num_faces());
+}
+
+/// The share of a step after which two boxes that are moved may meet; nothing: they do not.
+/// @param way_a, way_b The boxes of how far the points of a box are moved.
+std::optional<double> first_meeting(const BoxTree::Box& a, const BoxTree::Box& way_a,
+                                    const BoxTree::Box& b, const BoxTree::Box& way_b) {
+  double first = 0;
+  for (int k = 0; k < 3; ++k) {
+    // What is between them on either side, and how fast that becomes less.
+    const double gaps[2] = {b.min()[k] - a.max()[k], a.min()[k] - b.max()[k]};
+    const double rates[2] = {way_a.max()[k] - way_b.min()[k], way_b.max()[k] - way_a.min()[k]};
+    for (int side = 0; side < 2; ++side) {
+      if (gaps[side] <= 0) continue;
+      if (rates[side] <= 0) return std::nullopt;
+      first = std::max(first, gaps[side] / rates[side]);
+    }
+  }
+  if (first > 1) return std::nullopt;
+  return first;
+}
+
+/// @throws InputError a corner of one part is inside another part by more than the thickness.
+void require_apart(const Body& body, double thickness) {
+  std::vector<Index> cells;
+  const std::vector<Index> faces = boundary_faces(body.mesh, &cells);
+  const auto per_face = static_cast<std::size_t>(nodes_per_face(body.mesh.order));
+  std::map<Index, std::vector<std::array<Index, 3>>> triangles;
+  for (std::size_t f = 0; f < cells.size(); ++f) {
+    const Index* face = &faces[f * per_face];
+    triangles[body.part_of(cells[f])].push_back({face[0], face[1], face[2]});
+  }
+  if (triangles.size() < 2) return;
+  double deepest = thickness;
+  std::optional<Vec3> place;
+  for (const auto& [part, own] : triangles) {
+    const SurfaceTree surface(body.mesh.points, own);
+    const BoxTree::Box box = surface.bounds();
+    for (const auto& [other, theirs] : triangles) {
+      if (other == part) continue;
+      for (const auto& triangle : theirs) {
+        for (const Index corner : triangle) {
+          const Vec3& point = body.mesh.points[corner];
+          if (!box.contains(point)) continue;
+          const double depth = -surface.nearest(point).distance;
+          if (depth <= deepest) continue;
+          deepest = depth;
+          place = point;
+        }
+      }
+    }
+  }
+  if (!place) return;
+  throw InputError("Two parts that touch each other overlap by " + quantity(deepest, "m") + " at " +
+                   quantity(*place, "m") +
+                   " before anything moves. Move them apart, or mesh them so that they do not "
+                   "overlap.");
 }
 
 double spacing_for(const Scene& scene) {
@@ -110,6 +177,12 @@ SoftContact::SoftContact(const Scene& scene)
       least_sum_(kLeastCover * M_PI * reach_ * reach_ / 5),
       offsets_(static_cast<std::size_t>(points_.num_points()), 0.0) {
   validate(law_);
+  require_apart(scene.body, law_.thickness);
+  if (with_themselves_) {
+    const NodalVector none = NodalVector::Zero(3 * Eigen::Index{scene.body.mesh.num_points()});
+    rest_.reserve(offsets_.size());
+    for (Index p = 0; p < points_.num_points(); ++p) rest_.push_back(points_.features(p, none));
+  }
   set_offsets();
 }
 
@@ -202,6 +275,7 @@ std::unique_ptr<SoftContact::Neighbours> SoftContact::find_neighbours(
         if (boxes[other].squaredExteriorDistance(places[p]) >= reach * reach) continue;
         for (Index q = points_.first_point(other); q < points_.first_point(other + 1); ++q) {
           if ((places[p] - places[q]).squaredNorm() >= reach * reach) continue;
+          if (points_.part(f) == points_.part(other) && are_two_sides(p, q)) continue;
           others.push_back({q, static_cast<std::uint32_t>(s)});
           is_used[s] = 1;
         }
@@ -400,14 +474,15 @@ SoftContact::Sums SoftContact::sums(const Neighbours& near, const std::vector<Ne
 }
 
 bool SoftContact::find_energy(const NearPoint& i, const Sums& sums, Jet& jet) const {
-  if (sums.s == 0) return false;
+  if (!is_covered(sums)) return false;
   const double f = sums.gap();
   const double distance = f - offsets_[i.point];
   if (!law_.acts_at(distance)) return false;
   const ContactLaw::Jet psi = law_.evaluate(distance);
-  Step cover = smooth_step(sums.s / least_sum_);
-  cover.slope /= least_sum_;
-  cover.curvature /= least_sum_ * least_sum_;
+  const double range = (1 - kNoCover) * least_sum_;
+  Step cover = smooth_step((sums.s - kNoCover * least_sum_) / range);
+  cover.slope /= range;
+  cover.curvature /= range * range;
   const double s = sums.s;
   const double half = 0.5 * i.area;
   jet.value = half * psi.value * cover.value;
@@ -568,22 +643,26 @@ void SoftContact::set_offsets() {
   const NodalVector rest = NodalVector::Zero(3 * static_cast<Eigen::Index>(points_.rest().size()));
   const Neighbours& near = this->near(rest);
   const std::vector<NearPoint> at = features(near, rest);
-  double deepest = 0;
-  const NearPoint* deepest_point = nullptr;
   for (std::size_t i = 0; i < at.size(); ++i) {
     const Sums sums = this->sums(near, at, i);
-    if (sums.s == 0) continue;
+    if (!is_covered(sums)) continue;
     offsets_[at[i].point] = std::min(sums.gap(), law_.thickness) - law_.thickness;
-    if (sums.s > least_sum_ && sums.gap() < deepest) {
-      deepest = sums.gap();
-      deepest_point = &at[i];
-    }
   }
-  if (-deepest <= law_.thickness) return;
-  throw InputError("Two parts that touch each other overlap by " + quantity(-deepest, "m") +
-                   " at " + quantity(deepest_point->place, "m") +
-                   " before anything moves. Move them apart, or mesh them so that they do not "
-                   "overlap.");
+}
+
+bool SoftContact::is_covered(const Sums& sums) const { return sums.s > kNoCover * least_sum_; }
+
+bool SoftContact::has_passed_through(const Sums& sums) const {
+  return sums.s > kSeen * least_sum_ && sums.gap() < -0.5 * reach_;
+}
+
+bool SoftContact::are_two_sides(Index point, Index other) const {
+  const PointFeatures& i = rest_[point];
+  const PointFeatures& j = rest_[other];
+  const Vec3 r = i.place - j.place;
+  const double distance = r.norm();
+  if (distance > kSameNeighbourhood * reach_) return false;
+  return std::min(j.normal.dot(r), -i.normal.dot(r)) < -kBehind * distance;
 }
 
 double SoftContact::longest_share(const NodalVector& state, const NodalVector& step) const {
@@ -616,10 +695,10 @@ double SoftContact::longest_share(const NodalVector& state, const NodalVector& s
     tree.for_overlapping(box, [&](Index place) {
       const auto g = static_cast<std::size_t>(tree.order()[place]);
       if (g <= f || !may_touch(static_cast<Index>(f), static_cast<Index>(g))) return;
-      const Vec3 apart = (ways[f].max() - ways[g].min()).cwiseMax(ways[g].max() - ways[f].min());
-      const double towards = kNodeToPoint * apart.norm();
-      const double allowed = safe + std::sqrt(boxes[f].squaredExteriorDistance(boxes[g]));
-      if (towards * share > allowed) share = allowed / towards;
+      const std::optional<double> meet = first_meeting(boxes[f], ways[f], boxes[g], ways[g]);
+      if (!meet) return;
+      const Vec3 most = (ways[f].max() - ways[g].min()).cwiseMax(ways[g].max() - ways[f].min());
+      share = std::min(share, *meet + safe / (kNodeToPoint * most.norm()));
     });
   }
   return share;
@@ -632,11 +711,74 @@ std::vector<SoftContact::AtPoint> SoftContact::points_in_reach(const NodalVector
   Jet jet;
   for (std::size_t i = 0; i < at.size(); ++i) {
     const Sums sums = this->sums(near, at, i);
-    if (sums.s == 0) continue;
+    if (!is_covered(sums)) continue;
     const bool acts = find_energy(at[i], sums, jet);
     found.push_back({at[i].point, sums.gap(), acts ? jet.pressure : 0});
   }
   return found;
+}
+
+SoftContact::OnSurface SoftContact::on_surface(const NodalVector& state) const {
+  OnSurface result;
+  const std::size_t num_points = points_.rest().size();
+  result.pressure.assign(num_points, 0);
+  result.gap.assign(num_points, 0);
+  std::vector<double> area(num_points, 0);
+  std::vector<double> area_in_reach(num_points, 0);
+  std::vector<double> pressures(static_cast<std::size_t>(points_.num_points()), 0);
+  std::vector<double> gaps(pressures.size(), std::numeric_limits<double>::quiet_NaN());
+  for (const AtPoint& at : points_in_reach(state)) {
+    pressures[at.point] = at.pressure;
+    gaps[at.point] = at.gap;
+    result.deepest = std::max(result.deepest, -at.gap);
+  }
+  NodalVector force = NodalVector::Zero(state.size());
+  (void)add(state, force, nullptr);
+  std::vector<Index> part_of_node(num_points, -1);
+  for (Index f = 0; f < points_.num_faces(); ++f) {
+    double of_face = 0;
+    double in_reach = 0;
+    double load = 0;
+    double gap = 0;
+    for (Index p = points_.first_point(f); p < points_.first_point(f + 1); ++p) {
+      of_face += points_.area(p);
+      load += points_.area(p) * pressures[p];
+      if (std::isnan(gaps[p])) continue;
+      in_reach += points_.area(p);
+      gap += points_.area(p) * gaps[p];
+    }
+    for (int a = 0; a < points_.nodes_per_face(); ++a) {
+      const Index node = points_.nodes(f)[a];
+      area[node] += of_face;
+      area_in_reach[node] += in_reach;
+      result.pressure[node] += load;
+      result.gap[node] += gap;
+      part_of_node[node] = points_.part(f);
+    }
+    const auto num_parts = static_cast<std::size_t>(points_.part(f)) + 1;
+    if (result.force_on_part.size() < num_parts)
+      result.force_on_part.resize(num_parts, Vec3::Zero());
+  }
+  for (std::size_t n = 0; n < num_points; ++n) {
+    if (area[n] > 0) result.pressure[n] /= area[n];
+    result.gap[n] = area_in_reach[n] > 0 ? result.gap[n] / area_in_reach[n]
+                                         : std::numeric_limits<double>::quiet_NaN();
+    if (part_of_node[n] < 0) continue;
+    result.force_on_part[part_of_node[n]] -= force.segment<3>(3 * static_cast<Eigen::Index>(n));
+  }
+  return result;
+}
+
+std::unique_ptr<const SoftContact> make_soft_contact(const Scene& scene) {
+  if (scene.organ.touching == TouchingParts::none) return nullptr;
+  return std::make_unique<const SoftContact>(scene);
+}
+
+std::vector<const EnergyTerm*> with_contact(const SoftContact* contact,
+                                            const std::vector<const EnergyTerm*>& terms) {
+  std::vector<const EnergyTerm*> all = terms;
+  if (contact != nullptr) all.insert(all.begin(), contact);
+  return all;
 }
 
 }  // namespace palpate

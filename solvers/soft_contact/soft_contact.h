@@ -13,10 +13,11 @@
 // moments balance to rounding.
 //
 // s is 0 for normals that do not face each other, and so removes the back of a thin part and the
-// surroundings of a point of the same surface. σ fades what has few points in reach, as at an edge.
-// Both are steps of the seventh degree, so that Φ is C³. ψ is the law of contact (contact_law.h).
-// o_i is 0 where the rest has a gap of the thickness δ, and f_i − δ where it has less: bodies that
-// lie on each other at rest press each other only once they come nearer.
+// surroundings of a point of the same surface. Points of one part that are near each other at rest,
+// with the part between them, do not touch either. σ fades what has few points in reach, as at an
+// edge. Both are steps of the seventh degree, so that Φ is C³. ψ is the law of contact
+// (contact_law.h). o_i is 0 where the rest has a gap of the thickness δ, and f_i − δ where it has
+// less: bodies that lie on each other at rest press each other only once they come nearer.
 //
 // There is no friction. The kernel ends at ρ: parts that have passed through each other by more
 // would not feel it. So a state in which a point is more than ρ/2 inside has no finite energy, and
@@ -62,6 +63,19 @@ class SoftContact final : public EnergyTerm {
   /// The points that have others in reach, ascending.
   [[nodiscard]] std::vector<AtPoint> points_in_reach(const NodalVector& state) const;
 
+  /// What is drawn and told of a state.
+  struct OnSurface {
+    /// The pressure at each point of the mesh, averaged over its faces [num_points], Pa.
+    std::vector<double> pressure;
+    /// The gap, likewise; NaN where nothing is in reach [num_points], m.
+    std::vector<double> gap;
+    /// The force on each part by the others and itself [parts], N.
+    std::vector<Vec3> force_on_part;
+    /// How deep a point is inside another part, m.
+    double deepest = 0;
+  };
+  [[nodiscard]] OnSurface on_surface(const NodalVector& state) const;
+
  private:
   struct Neighbours;
   struct NearPoint;
@@ -87,9 +101,11 @@ class SoftContact final : public EnergyTerm {
                           std::size_t i) const;
   /// @returns Whether the law acts there.
   [[nodiscard]] bool find_energy(const NearPoint& i, const Sums& sums, Jet& jet) const;
-  [[nodiscard]] bool has_passed_through(const Sums& sums) const {
-    return sums.s > 5 * least_sum_ && sums.gap() < -0.5 * reach_;
-  }
+  /// Whether a point sees so much of the other side that it may touch it.
+  [[nodiscard]] bool is_covered(const Sums& sums) const;
+  [[nodiscard]] bool has_passed_through(const Sums& sums) const;
+  /// Whether two points of one part are on two sides of it, as of a thin plate or beside an edge.
+  [[nodiscard]] bool are_two_sides(Index point, Index other) const;
   void set_offsets();
 
   ContactPoints points_;
@@ -100,7 +116,16 @@ class SoftContact final : public EnergyTerm {
   double least_sum_;
   /// o of each point, m.
   std::vector<double> offsets_;
+  /// The points at rest; empty where no part touches itself.
+  std::vector<PointFeatures> rest_;
   mutable std::unique_ptr<Neighbours> neighbours_;
 };
+
+/// The contact of the parts of a scene; null: they do not touch each other.
+[[nodiscard]] std::unique_ptr<const SoftContact> make_soft_contact(const Scene& scene);
+
+/// Terms with the contact of the parts, if there is one, before them.
+[[nodiscard]] std::vector<const EnergyTerm*> with_contact(
+    const SoftContact* contact, const std::vector<const EnergyTerm*>& terms);
 
 }  // namespace palpate

@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 
 #include "assembly/assembly.h"
 #include "base/error.h"
@@ -105,6 +108,144 @@ TEST_P(SoftContactOf, ItsTangentIsTheGradientOfItsForce) {
         derivative([&](double h) { return force_at(contact, u + h * way); }, 2e-6);
     EXPECT_LT((found - by_differences).norm(), 1e-6 * found.norm());
   }
+}
+
+bool is_zero(const SoftContact& contact, const NodalVector& u) {
+  PairBlocks blocks;
+  contact.take_blocks(u, blocks);
+  return energy_at(contact, u) == 0 && force_at(contact, u).isZero(0) &&
+         std::all_of(blocks.values.begin(), blocks.values.end(),
+                     [](const Mat3& block) { return block.isZero(0); });
+}
+
+NodalVector none(const Scene& scene) {
+  return NodalVector::Zero(3 * Eigen::Index{scene.body.mesh.num_points()});
+}
+
+/// The upper part moved as a whole, m.
+NodalVector moved(const Scene& scene, const Vec3& way) {
+  NodalVector u = none(scene);
+  for (Index p = first_of_upper(scene); p < scene.body.mesh.num_points(); ++p) {
+    u.segment<3>(3 * Eigen::Index{p}) = way;
+  }
+  return u;
+}
+
+TEST(SoftContact, IsExactlyNothingWhereNothingIsInReach) {
+  TwoBlocksOptions options;
+  options.upper_at.z() = 0.01;
+  const Scene scene = make_two_blocks(options);
+  const SoftContact contact(scene);
+  EXPECT_TRUE(is_zero(contact, none(scene)));
+  EXPECT_TRUE(is_zero(contact, moved(scene, {0.001, 0.002, -0.003})));
+  EXPECT_TRUE(contact.points_in_reach(none(scene)).empty());
+}
+
+TEST(SoftContact, IsExactlyNothingAtRestWherePartsLieOnEachOther) {
+  const Scene scene = make_two_blocks();
+  const SoftContact contact(scene);
+  EXPECT_FALSE(contact.points_in_reach(none(scene)).empty());
+  EXPECT_TRUE(is_zero(contact, none(scene)));
+  EXPECT_FALSE(is_zero(contact, moved(scene, {0, 0, -1e-4})));
+}
+
+TEST(SoftContact, BeginsWhereTheGapIsAsThickAsTheLayer) {
+  TwoBlocksOptions options;
+  options.upper_at.z() = 0.003;
+  const Scene scene = make_two_blocks(options);
+  const SoftContact contact(scene);
+  EXPECT_TRUE(is_zero(contact, moved(scene, {0, 0, -0.001 + 1e-9})));
+  EXPECT_FALSE(is_zero(contact, moved(scene, {0, 0, -0.001 - 1e-5})));
+}
+
+// The formula is exact beside a flat surface, however its points lie, up to its border.
+TEST(SoftContact, FindsTheGapToAFlatSurface) {
+  const Scene scene = make_two_blocks();
+  const SoftContact contact(scene);
+  for (const double depth : {-0.001, 0.0, 0.0015}) {
+    const auto found = contact.points_in_reach(moved(scene, {0.0013, -0.0007, -depth}));
+    ASSERT_FALSE(found.empty());
+    for (const SoftContact::AtPoint& at : found) EXPECT_NEAR(at.gap, -depth, 1e-15);
+  }
+}
+
+TEST(SoftContact, ForcesAndMomentsOfTheTwoPartsBalance) {
+  const Scene scene = make_two_blocks();
+  const SoftContact contact(scene);
+  const NodalVector u = squeezed(scene, 0.0012, 2e-4);
+  const NodalVector force = force_at(contact, u);
+  const Index first = first_of_upper(scene);
+  Vec3 sum = Vec3::Zero();
+  Vec3 moment = Vec3::Zero();
+  Vec3 on_upper = Vec3::Zero();
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    const Eigen::Index at = 3 * Eigen::Index{p};
+    const Vec3 place = scene.body.mesh.points[p] + u.segment<3>(at);
+    sum += force.segment<3>(at);
+    moment += place.cross(Vec3(force.segment<3>(at)));
+    if (p >= first) on_upper += force.segment<3>(at);
+  }
+  ASSERT_GT(on_upper.norm(), 0.01);
+  EXPECT_LT(sum.norm(), 1e-12 * on_upper.norm());
+  EXPECT_LT(moment.norm(), 1e-12 * on_upper.norm() * 0.03);
+}
+
+TEST(SoftContact, DoesNotDependOnWhatWasEvaluatedBefore) {
+  const Scene scene = make_two_blocks();
+  const NodalVector u = squeezed(scene, 0.0012, 2e-4);
+  const SoftContact fresh(scene);
+  const SoftContact used(scene);
+  (void)energy_at(used, moved(scene, {0.004, 0.003, -0.0005}));
+  (void)energy_at(used, squeezed(scene, 0.0011, 1e-4));
+  EXPECT_EQ(energy_at(fresh, u), energy_at(used, u));
+  EXPECT_EQ(force_at(fresh, u), force_at(used, u));
+}
+
+TEST(SoftContact, HasNoEnergyWhereAPartIsThroughTheOther) {
+  const Scene scene = make_two_blocks();
+  const SoftContact contact(scene);
+  EXPECT_TRUE(std::isfinite(energy_at(contact, moved(scene, {0, 0, -0.49 * contact.reach()}))));
+  EXPECT_EQ(energy_at(contact, moved(scene, {0, 0, -0.51 * contact.reach()})),
+            std::numeric_limits<double>::infinity());
+}
+
+TEST(SoftContact, NoStepPassesThroughAPart) {
+  TwoBlocksOptions options;
+  options.upper_at.z() = 0.003;
+  const Scene scene = make_two_blocks(options);
+  const SoftContact contact(scene);
+  const NodalVector at_rest = none(scene);
+  for (const double depth : {0.006, 0.02, 0.1}) {
+    const NodalVector step = moved(scene, {0, 0, -depth});
+    const double share = contact.longest_share(at_rest, step);
+    EXPECT_LT(share, 1);
+    // It is seen where it is too deep.
+    EXPECT_LT(share * depth - 0.003, contact.reach());
+    EXPECT_GT(share, 0);
+  }
+  EXPECT_EQ(contact.longest_share(at_rest, moved(scene, {0, 0, -0.0005})), 1);
+  EXPECT_EQ(contact.longest_share(at_rest, moved(scene, {0, 0, 0.1})), 1)
+      << "what goes apart, goes as far as it likes";
+}
+
+TEST(SoftContact, ABodyDoesNotTouchItselfWhereItIsSmooth) {
+  TwoBlocksOptions options;
+  options.upper_at.z() = 0.02;
+  Scene scene = make_two_blocks(options);
+  scene.organ.touching = TouchingParts::all;
+  const SoftContact contact(scene);
+  EXPECT_TRUE(is_zero(contact, none(scene)));
+  Random random(3);
+  EXPECT_TRUE(is_zero(contact, random.vector(none(scene).size(), 4e-4)));
+}
+
+TEST(SoftContact, PartsThatOverlapAreNamedWithAPlace) {
+  TwoBlocksOptions options;
+  options.upper_at.z() = -0.003;
+  const Scene scene = make_two_blocks(options);
+  const std::string text = message_of([&] { (void)SoftContact(scene); });
+  EXPECT_NE(text.find("overlap by 0.003 m"), std::string::npos) << text;
+  EXPECT_NE(text.find(", 0.007) m"), std::string::npos) << text;
 }
 
 }  // namespace
