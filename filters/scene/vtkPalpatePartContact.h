@@ -12,8 +12,8 @@ namespace palpate
 class SoftContact;
 }
 
-/// Adds the point arrays `PartPressure` (Pa) and `PartGap` (m; NaN where no other part is in reach),
-/// and the field arrays `PartForce` (N, a tuple a part: what the others do to it) and
+/// Adds the point arrays `PartPressure` (Pa) and `PartGap` (m; NaN where no other part is in
+/// reach), and the field arrays `PartForce` (N, a tuple a part: what the others do to it) and
 /// `PartPenetration` (m, of the point that is deepest inside another part).
 PALPATESCENE_EXPORT void vtkPalpateAddPartContact(
   const palpate::SoftContact& contact, const palpate::NodalVector& u, vtkDataSet* output);

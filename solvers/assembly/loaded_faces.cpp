@@ -80,8 +80,7 @@ std::vector<FacePoint> divided_quadrature(ElementOrder order, int divisions) {
         const double weight = 0.5 * (side * side * p.share);
         points.push_back(face_point(order, weight, side * (i + p.a), side * (j + p.b)));
         if (i + j + 1 < divisions) {
-          points.push_back(
-              face_point(order, weight, side * (i + 1 - p.a), side * (j + 1 - p.b)));
+          points.push_back(face_point(order, weight, side * (i + 1 - p.a), side * (j + 1 - p.b)));
         }
       }
     }

@@ -77,8 +77,8 @@ class SolutionBranches {
   /// In the space of a rigid tool, the leaf that has a place; −1: there is none.
   [[nodiscard]] std::int32_t leaf_at(const Vec3& t) const noexcept;
   /// Whether a body that has left a branch for another one may be on the former in a leaf: it has
-  /// something there, or nobody has tried how it goes on, and it is not the same as the other one at
-  /// all corners.
+  /// something there, or nobody has tried how it goes on, and it is not the same as the other one
+  /// at all corners.
   [[nodiscard]] bool may_be_on_left(std::int32_t leaf, const OnBranch& branch) const noexcept;
   [[nodiscard]] std::size_t place_of(std::int32_t leaf, std::int32_t branch) const noexcept {
     return static_cast<std::size_t>(leaf) * configurations_.size() +

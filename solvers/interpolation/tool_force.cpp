@@ -95,8 +95,8 @@ void ToolForce::take_only(const TouchToolSpace& tool_space, const ToolForce* bef
                             [](const ConfigurationSummary& c) { return c.level != 0; });
   is_whole_ = !has_levels_ && branches->is_one_whole();
   // When the first level or end is found, the flags of others change, see restricted().
-  const bool grows = before != nullptr && before->has_levels_ == has_levels_ &&
-                     before->is_whole_ == is_whole_;
+  const bool grows =
+      before != nullptr && before->has_levels_ == has_levels_ && before->is_whole_ == is_whole_;
   const Interpolator* flat = grows ? before->parts_.front().force.get() : nullptr;
   if (is_whole_) {
     parts_.push_back({key, make_interpolator(method_, tool_space, options_, flat, changed)});

@@ -231,7 +231,8 @@ std::optional<std::string> describe(const TouchingPieces& touching, Index num_pi
             "not join: "
             "mesh the pieces as one body. ";
   }
-  text << "Where pieces are meant to be apart, leave them so.";
+  text << "Where pieces are meant to be apart, leave them so, or let them touch with Contact of "
+          "Set Boundary.";
   return text.str();
 }
 

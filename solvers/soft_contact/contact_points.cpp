@@ -34,7 +34,7 @@ ContactPoints::ContactPoints(const Body& body, double spacing)
     const Eigen::Matrix3Xd places = places_of_face(body.mesh, face);
     const double area =
         0.5 * (places.col(1) - places.col(0)).cross(places.col(2) - places.col(0)).norm();
-    const double wanted = std::ceil(std::sqrt(area / kPointsOfRule) / spacing);
+    const double wanted = std::round(std::sqrt(area / kPointsOfRule) / spacing);
     const int divisions = static_cast<int>(std::clamp(wanted, 1.0, double{kMostDivisions}));
     std::vector<FacePoint>& rule = rules[divisions];
     if (rule.empty()) {

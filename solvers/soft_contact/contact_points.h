@@ -37,7 +37,7 @@ class ContactPoints {
   using FaceBlock = Eigen::Matrix<double, 3 * kMostNodes, 3 * kMostNodes>;
 
   /// Takes the faces of the boundary.
-  /// @param spacing The largest mean distance of the points on a face, m.
+  /// @param spacing The mean distance of the points on a face, roughly, m.
   ContactPoints(const Body& body, double spacing);
 
   [[nodiscard]] int nodes_per_face() const { return nodes_per_face_; }

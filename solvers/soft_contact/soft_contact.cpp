@@ -460,15 +460,23 @@ PairCurvature curvature_of(const PairTerms& pair, const PairSlopes& m, const Poi
 
 }  // namespace
 
+/// Another point that one sees.
+struct SoftContact::FeltPair : PairTerms {
+  Neighbours::Other other;
+};
+
 SoftContact::Sums SoftContact::sums(const Neighbours& near, const std::vector<NearPoint>& at,
-                                    std::size_t i) const {
+                                    std::size_t i, std::vector<FeltPair>& felt) const {
   Sums sums;
-  PairTerms pair;
+  felt.clear();
+  FeltPair pair;
   for (std::size_t k = near.first_other[i]; k < near.first_other[i + 1]; ++k) {
-    const NearPoint& j = at[near.others[k].point];
+    pair.other = near.others[k];
+    const NearPoint& j = at[pair.other.point];
     if (!find_pair(at[i], j, j.area, reach_, pair)) continue;
     sums.s += pair.m;
     sums.p += pair.m * pair.g;
+    felt.push_back(pair);
   }
   return sums;
 }
@@ -504,20 +512,18 @@ double SoftContact::add(const NodalVector& state, NodalVector& force,
   std::vector<Vec6> gradient(at.size(), Vec6::Zero());
   double energy = 0;
   Jet jet;
-  PairTerms pair;
+  std::vector<FeltPair> felt;
   for (std::size_t i = 0; i < at.size(); ++i) {
-    const Sums sums = this->sums(near, at, i);
+    const Sums sums = this->sums(near, at, i, felt);
     if (has_passed_through(sums)) return std::numeric_limits<double>::infinity();
     if (!find_energy(at[i], sums, jet)) continue;
     energy += jet.value;
-    for (std::size_t k = near.first_other[i]; k < near.first_other[i + 1]; ++k) {
-      const std::uint32_t other = near.others[k].point;
-      const NearPoint& j = at[other];
-      if (!find_pair(at[i], j, j.area, reach_, pair)) continue;
+    for (const FeltPair& pair : felt) {
+      const NearPoint& j = at[pair.other.point];
       const PairGradient d =
           gradient_of(pair, slopes_of(pair, at[i], j), j, jet.s + jet.p * pair.g, jet.p);
       gradient[i] += d.i;
-      gradient[other] += d.j;
+      gradient[pair.other.point] += d.j;
     }
   }
   if (energy == 0) return 0;
@@ -556,7 +562,7 @@ void SoftContact::take_blocks(const NodalVector& state, PairBlocks& result) cons
     return slopes[i];
   };
   Jet jet;
-  PairTerms pair;
+  std::vector<FeltPair> felt;
   Eigen::MatrixXd whole;
   Eigen::Matrix<double, Eigen::Dynamic, 2> of_sums;
   for (std::size_t f = 0; f < near.faces.size(); ++f) {
@@ -565,7 +571,7 @@ void SoftContact::take_blocks(const NodalVector& state, PairBlocks& result) cons
     const std::size_t num_slots = local.of_slots.size() / static_cast<std::size_t>(per_face);
     bool acts = false;
     for (std::size_t i = near.first_point[f]; i < near.first_point[f + 1]; ++i) {
-      const Sums sums = this->sums(near, at, i);
+      const Sums sums = this->sums(near, at, i, felt);
       if (!find_energy(at[i], sums, jet)) continue;
       if (!acts) whole.setZero(size, size);
       acts = true;
@@ -573,16 +579,15 @@ void SoftContact::take_blocks(const NodalVector& state, PairBlocks& result) cons
       of_sums.setZero(size, 2);
       Vec6 p_i = Vec6::Zero();
       Vec6 s_i = Vec6::Zero();
-      std::size_t k = near.first_other[i];
+      auto next = felt.begin();
       for (std::size_t slot = 0; slot < num_slots; ++slot) {
         Eigen::Matrix<double, 6, kOfFace> crossed = Eigen::Matrix<double, 6, kOfFace>::Zero();
         Eigen::Matrix<double, kOfFace, 2> of_slot = Eigen::Matrix<double, kOfFace, 2>::Zero();
-        bool is_felt = false;
-        for (; k < near.first_other[i + 1] && near.others[k].slot == slot; ++k) {
-          const std::uint32_t other = near.others[k].point;
+        if (next == felt.end() || next->other.slot != slot) continue;
+        for (; next != felt.end() && next->other.slot == slot; ++next) {
+          const FeltPair& pair = *next;
+          const std::uint32_t other = pair.other.point;
           const NearPoint& j = at[other];
-          if (!find_pair(at[i], j, j.area, reach_, pair)) continue;
-          is_felt = true;
           const PairSlopes m = slopes_of(pair, at[i], j);
           const PairGradient by_p = gradient_of(pair, m, j, pair.g, 1);
           const PairGradient by_s = gradient_of(pair, m, j, 1, 0);
@@ -598,7 +603,6 @@ void SoftContact::take_blocks(const NodalVector& state, PairBlocks& result) cons
           of_slot.col(0) += of_j.transpose() * by_p.j;
           of_slot.col(1) += of_j.transpose() * by_s.j;
         }
-        if (!is_felt) continue;
         const Eigen::Matrix<double, kOfFace, kOfFace> block = slopes_at(i).transpose() * crossed;
         for (int b = 0; b < per_face; ++b) {
           const Eigen::Index column =
@@ -643,8 +647,9 @@ void SoftContact::set_offsets() {
   const NodalVector rest = NodalVector::Zero(3 * static_cast<Eigen::Index>(points_.rest().size()));
   const Neighbours& near = this->near(rest);
   const std::vector<NearPoint> at = features(near, rest);
+  std::vector<FeltPair> felt;
   for (std::size_t i = 0; i < at.size(); ++i) {
-    const Sums sums = this->sums(near, at, i);
+    const Sums sums = this->sums(near, at, i, felt);
     if (!is_covered(sums)) continue;
     offsets_[at[i].point] = std::min(sums.gap(), law_.thickness) - law_.thickness;
   }
@@ -708,9 +713,10 @@ std::vector<SoftContact::AtPoint> SoftContact::points_in_reach(const NodalVector
   const Neighbours& near = this->near(state);
   const std::vector<NearPoint> at = features(near, state);
   std::vector<AtPoint> found;
+  std::vector<FeltPair> felt;
   Jet jet;
   for (std::size_t i = 0; i < at.size(); ++i) {
-    const Sums sums = this->sums(near, at, i);
+    const Sums sums = this->sums(near, at, i, felt);
     if (!is_covered(sums)) continue;
     const bool acts = find_energy(at[i], sums, jet);
     found.push_back({at[i].point, sums.gap(), acts ? jet.pressure : 0});

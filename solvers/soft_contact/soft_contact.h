@@ -79,6 +79,7 @@ class SoftContact final : public EnergyTerm {
  private:
   struct Neighbours;
   struct NearPoint;
+  struct FeltPair;
   /// Sums over the other points, and the derivatives of a point's energy by P and S.
   struct Sums {
     double s = 0;
@@ -97,8 +98,9 @@ class SoftContact final : public EnergyTerm {
   [[nodiscard]] std::unique_ptr<Neighbours> find_neighbours(const NodalVector& state) const;
   [[nodiscard]] std::vector<NearPoint> features(const Neighbours& near,
                                                 const NodalVector& state) const;
-  [[nodiscard]] Sums sums(const Neighbours& near, const std::vector<NearPoint>& at,
-                          std::size_t i) const;
+  /// @param felt Set to the points that i sees.
+  [[nodiscard]] Sums sums(const Neighbours& near, const std::vector<NearPoint>& at, std::size_t i,
+                          std::vector<FeltPair>& felt) const;
   /// @returns Whether the law acts there.
   [[nodiscard]] bool find_energy(const NearPoint& i, const Sums& sums, Jet& jet) const;
   /// Whether a point sees so much of the other side that it may touch it.

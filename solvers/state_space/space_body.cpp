@@ -48,7 +48,8 @@ const SpaceBody& find_body(const std::vector<SpaceBody>& bodies, BodyId number) 
 void require_one_organ(const Scene& first, const Scene& other) {
   if (!is_one_organ(first.organ, other.organ)) {
     throw InputError(
-        "The bodies are of different organs: their materials, densities, body forces or contact differ. "
+        "The bodies are of different organs: their materials, densities, body forces or contact "
+        "differ. "
         "Give bodies of one organ, or compute a space of each.");
   }
   if (first.body.has_supports_or_surface_loads() == other.body.has_supports_or_surface_loads()) {

@@ -23,8 +23,8 @@ def moved(grid, way):
 
 def parts(name):
     """An organ that lies on a bed, with meshes that do not match."""
-    bed = source(box_body((5, 5, 2), (0.11, 0.1, BED_HEIGHT)), name + "_bed")
-    organ = source(moved(box_body((4, 3, 2), (0.07, 0.06, ORGAN_HEIGHT)), (0.02, 0.02, BED_HEIGHT)),
+    bed = source(box_body((5, 5, 1), (0.11, 0.1, BED_HEIGHT)), name + "_bed")
+    organ = source(moved(box_body((4, 3, 1), (0.07, 0.06, ORGAN_HEIGHT)), (0.02, 0.02, BED_HEIGHT)),
                    name + "_organ")
     return AssignMaterial(Input=AppendDatasets(Input=[bed, organ]), Law="Neo-Hookean",
                           YoungsModulus=5e3, PoissonsRatio=0.4, Density=1000)
@@ -32,11 +32,10 @@ def parts(name):
 
 def held(body, **settings):
     """The bed is fixed at its bottom, and the organ is drawn to where it lies by springs."""
-    bed = SetBoundary(Input=body, FixedRegion="Plane")
+    bed = SetBoundary(Input=body, FixedRegion="Plane", **settings)
     bed.FixedRegion.Origin = [0, 0, 1e-6]
     bed.FixedRegion.Normal = [0, 0, 1]
-    organ = SetBoundary(Input=bed, Support="Springs", SupportStiffness=2e3, FixedRegion="Box",
-                        **settings)
+    organ = SetBoundary(Input=bed, Support="Springs", SupportStiffness=2e3, FixedRegion="Box")
     organ.FixedRegion.Position = [0.0195, 0.0195, BED_HEIGHT + 1e-4]
     organ.FixedRegion.Length = [0.071, 0.061, 1]
     return organ
@@ -82,7 +81,7 @@ def test_what_is_refused():
 
 def test_motion():
     boundary = held(parts("motion"), Contact="Between Parts")
-    motion = SolveDynamics(Input=boundary, BodyForce=[0, 0, -9.81], EndTime=0.05, TimeStep=0.005)
+    motion = SolveDynamics(Input=boundary, BodyForce=[0, 0, -9.81], EndTime=0.02, TimeStep=0.005)
     after = fetch(motion)
     assert field(after, "Outcome")[0] == 0, message(after)
     assert field(after, "PartForce").shape == (2, 3)
@@ -90,20 +89,20 @@ def test_motion():
 
 def test_a_space_of_a_tool():
     boundary = held(parts("space"), Contact="Between Parts")
-    space = PrecomputeStateSpace(Input=boundary, Tool="Sphere", ToolRadius=RADIUS, Depth=0.006,
+    space = PrecomputeStateSpace(Input=boundary, Tool="Sphere", ToolRadius=RADIUS, Depth=0.004,
                                  Spacing=0.006, UseToolRegion=1, ToolRegion="Sphere",
                                  LogInterval=0, FileName="parts.palpate")
     space.ToolRegion.Center = [*MIDDLE, TOP]
-    space.ToolRegion.Radius = 0.008
+    space.ToolRegion.Radius = 0.003
     expect_silence(space.UpdatePipeline)
     read = StateSpaceReader(FileName="parts.palpate")
-    place = [MIDDLE[0] + 0.001, MIDDLE[1], TOP + RADIUS - 0.004]
+    place = [MIDDLE[0] + 0.001, MIDDLE[1], TOP + RADIUS - 0.0035]
     touched = fetch(TouchStateSpace(Input=read, ToolPosition=place))
     exact = fetch(SolveEquilibrium(Input=boundary, Tool="Sphere", ToolRadius=RADIUS,
                                    ToolPosition=place, Increments=2))
     force = field(exact, "ReactionForce")[0]
     difference = numpy.linalg.norm(field(touched, "Force")[0] - force)
-    assert difference < 0.02 * numpy.linalg.norm(force), (field(touched, "Force")[0], force)
+    assert difference < 0.03 * numpy.linalg.norm(force), (field(touched, "Force")[0], force)
 
 
 if __name__ == "__main__":

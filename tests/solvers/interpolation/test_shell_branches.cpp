@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "interpolation/tool_force.h"
@@ -23,7 +24,8 @@ constexpr double kH = TwoSides::kSpacing;
 /// A tool that is moved over the leaf.
 class Tool {
  public:
-  explicit Tool(const Vec3& begin) : at_(begin) {}
+  explicit Tool(const Vec3& begin, TouchToolSpace space = TwoSides::make())
+      : space_(std::move(space)), at_(begin) {}
 
   TouchResult move(const Vec3& to) {
     branch_ = force_.move(branch_, at_, to);
@@ -47,7 +49,7 @@ class Tool {
   [[nodiscard]] int branch() const { return branch_.number; }
 
  private:
-  TouchToolSpace space_ = TwoSides::make();
+  TouchToolSpace space_;
   ToolForce force_{{&space_}, Method::energy_hermite};
   Vec3 at_;
   OnBranch branch_;
@@ -125,6 +127,27 @@ TEST(ShellBranches, WithoutLevelsThereIsOneBranchOfAll) {
   EXPECT_EQ(branches.size(), 1);
   EXPECT_EQ(branches.configurations(0).size(), all.size());
   EXPECT_FALSE(branches.ends_at(0, Vec3(0, 0, 0)));
+}
+
+TEST(ShellBranches, WhereNobodyHasTriedTheBodyMayBeOnItsSideUntilItIsLetGo) {
+  TouchToolSpace space = TwoSides::make();
+  auto& all = space.configurations;
+  all.erase(std::remove_if(all.begin(), all.end(), [](const auto& c) { return c.level > 0; }),
+            all.end());
+  for (ConfigurationSummary& c : all) c.reached = ConfigurationSummary().reached;
+  space.setup.policy.history = History::automatic;
+  Tool tool(Vec3(0.3 * kH, 0.2 * kH, 3.9 * kH), space);
+  EXPECT_EQ(tool.move_to(2.5 * kH).support, Support::inside);
+  // The force changes its sign between two check-points below, and there is one level.
+  EXPECT_EQ(tool.move_to(-0.5 * kH).support, Support::marked);
+  EXPECT_EQ(tool.move_to(-2.5 * kH).support, Support::marked);
+  EXPECT_TRUE(tool.move_to(-3.9 * kH).force.isZero(0));
+  EXPECT_EQ(tool.move_to(-2.5 * kH).support, Support::inside);
+
+  // A space that is meant to be flat is one branch.
+  space.setup.policy.history = History::flat;
+  Tool flat(Vec3(0.3 * kH, 0.2 * kH, 3.9 * kH), space);
+  EXPECT_EQ(flat.move_to(-2.5 * kH).support, Support::inside);
 }
 
 TEST(ShellBranches, AfterTheNormalItIsTheFlatOne) {
