@@ -20,7 +20,8 @@
 // the body is then depends on the way, if the equilibrium that is reached from the nearest
 // check-point has another force; "told" is what the estimate of the cell knew of. With levels the
 // body stays on the branch on which the press or the slide comes (tool_force.h), and the same tests
-// are made in the flat part of the space; without, the space has one configuration at each
+// are made in the flat part of the space, as it is before levels are searched for, and as it is in
+// a space that is meant to be flat; without, the space has one configuration at each
 // check-point. With --seconds an exploration ends after that time, and what there is is tested.
 //
 // With --sides so many places at which the body has several equilibria are pressed from both sides,
@@ -623,6 +624,9 @@ void measure(const Arguments& arguments, Communicator& world) {
     }
     TouchToolSpace part = restricted(space, flat);
     for (ConfigurationSummary& c : part.configurations) c.reached = ConfigurationSummary().reached;
+    feel(ToolForce({&part}, Method::energy_hermite), *clearance, tests);
+    print_marks("flat part, before levels are searched for", tests, largest);
+    part.setup.policy.history = History::flat;
     feel(ToolForce({&part}, Method::energy_hermite), *clearance, tests);
     print_marks("flat", tests, largest);
   }
