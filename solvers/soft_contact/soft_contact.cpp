@@ -41,6 +41,9 @@ constexpr double kMargin = 0.5;
 /// No point of a face moves by more than this times its farthest node: Σ |N_a| ≤ 5/3.
 constexpr double kNodeToPoint = 5.0 / 3;
 
+/// The share of a motion across the normal of a face that may be along the normal elsewhere in it.
+constexpr double kAcrossNormals = 0.25;
+
 /// A step from 0 to 1 with three derivatives that are continuous, t⁴ (35 − 84 t + 70 t² − 20 t³).
 struct Step {
   double value, slope, curvature;
@@ -684,12 +687,17 @@ double SoftContact::longest_share(const NodalVector& state, const NodalVector& s
   const auto num_faces = static_cast<std::size_t>(points_.num_faces());
   std::vector<BoxTree::Box> boxes(num_faces);
   std::vector<BoxTree::Box> ways(num_faces);
+  std::vector<Vec3> normals(num_faces);
   for (std::size_t f = 0; f < num_faces; ++f) {
     const Index* nodes = points_.nodes(static_cast<Index>(f));
     for (int a = 0; a < points_.nodes_per_face(); ++a) {
       boxes[f].extend(points_.node_place(nodes[a], state));
       ways[f].extend(Vec3(step.segment<3>(3 * Eigen::Index{nodes[a]})));
     }
+    const Vec3 corner = points_.node_place(nodes[0], state);
+    normals[f] = (points_.node_place(nodes[1], state) - corner)
+                     .cross(points_.node_place(nodes[2], state) - corner)
+                     .normalized();
   }
   const BoxTree tree(boxes);
   double share = 1;
@@ -702,8 +710,12 @@ double SoftContact::longest_share(const NodalVector& state, const NodalVector& s
       if (g <= f || !may_touch(static_cast<Index>(f), static_cast<Index>(g))) return;
       const std::optional<double> meet = first_meeting(boxes[f], ways[f], boxes[g], ways[g]);
       if (!meet) return;
-      const Vec3 most = (ways[f].max() - ways[g].min()).cwiseMax(ways[g].max() - ways[f].min());
-      share = std::min(share, *meet + safe / (kNodeToPoint * most.norm()));
+      // How far f comes nearer to g, against the normals of both; these differ within a face.
+      const Vec3 way = ways[f].center() - ways[g].center();
+      const double nearer = std::max({0.0, -normals[g].dot(way), normals[f].dot(way)});
+      const double within = 0.5 * (ways[f].sizes().norm() + ways[g].sizes().norm());
+      const double most = nearer + kAcrossNormals * way.norm() + kNodeToPoint * within;
+      share = std::min(share, *meet + safe / most);
     });
   }
   return share;

@@ -129,7 +129,6 @@ TEST(TouchingParts, PassOnAUniformStressWhereMeshesDoNotMatch) {
     state = pressed.solve(Vec3(0, 0, -depth), state);
     ASSERT_EQ(state.outcome, Outcome::converged);
     const Scatter inside = scatter_of(pressed, state, 0.006);
-    std::printf("inside rms %.4f largest %.4f\n", inside.rms, inside.largest);
     EXPECT_LT(inside.rms, 0.01);
     EXPECT_LT(inside.largest, 0.03);
   }
@@ -173,7 +172,6 @@ TEST(TouchingParts, FeelLittleOfTheMeshWhereOneSlidesOverTheOther) {
     const double middle = 0.5 * (along[i - 1].reaction[2] + along[i + 1].reaction[2]);
     roughness = std::max(roughness, std::abs(h[2] / middle - 1));
   }
-  std::printf("lateral %.5f jump %.5f roughness %.6f\n", lateral, jump, roughness);
   EXPECT_LT(lateral, 0.007);
   EXPECT_LT(jump, 0.006);
   EXPECT_LT(roughness, 0.0005);
@@ -220,7 +218,7 @@ TEST(TouchingParts, DoNotPassThroughEachOtherInRandomPresses) {
   for (int i = 0; i < kPresses; ++i) {
     const Vec3 step = random.uniform(0.002, 0.004) * Vec3(random.vector(3, 1)).normalized();
     Vec3 to = Vec3(state.t) + step;
-    to.z() = std::clamp(to.z(), -0.006, 0.001);
+    to.z() = std::clamp(to.z(), -0.006, -0.0025);
     to.x() = std::clamp(to.x(), -0.004, 0.01);
     to.y() = std::clamp(to.y(), -0.005, 0.005);
     const Equilibrium next = pressed.solve(to, state);
