@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "interpolation/branch_test.h"
-#include "interpolation/leaf_edges.h"
 
 namespace palpate {
 namespace {
@@ -239,25 +238,28 @@ class Builder {
 };
 
 /// Whether a space of a rigid tool has an edge that a search for levels would try.
+/// @param all They are in the order of operator<.
 bool is_torn(const Grid& grid, const std::vector<ConfigurationSummary>& all) {
   const EdgeFit fit(all);
-  const LeafEdges edges{CellTree(grid, all)};
   const auto find = [&](const CheckPoint& p) -> const ConfigurationSummary* {
     const auto at = std::lower_bound(
         all.begin(), all.end(), p,
         [](const ConfigurationSummary& c, const CheckPoint& q) { return c.check_point < q; });
-    return at != all.end() && at->check_point == p && at->usable() ? &*at : nullptr;
+    return at != all.end() && at->check_point == p ? &*at : nullptr;
   };
-  bool is_found = false;
-  edges.for_each([&](const CheckPoint& p, int axis, std::int32_t steps) {
-    if (is_found) return;
-    CheckPoint q = p;
-    q[axis] += steps;
-    const ConfigurationSummary* a = find(p);
-    const ConfigurationSummary* b = find(q);
-    is_found = a != nullptr && b != nullptr && fit.force_misfit(*a, *b) > kForceMisfitAcross;
+  const auto is_torn_at = [&](const ConfigurationSummary& c, int axis) {
+    for (std::int32_t steps = 1; steps <= grid.coarsest; steps *= 2) {
+      CheckPoint next = c.check_point;
+      next[axis] += steps;
+      const ConfigurationSummary* other = find(next);
+      if (other == nullptr) continue;
+      return other->usable() && fit.force_misfit(c, *other) > kForceMisfitAcross;
+    }
+    return false;
+  };
+  return std::any_of(all.begin(), all.end(), [&](const ConfigurationSummary& c) {
+    return c.usable() && (is_torn_at(c, 0) || is_torn_at(c, 1) || is_torn_at(c, 2));
   });
-  return is_found;
 }
 
 }  // namespace

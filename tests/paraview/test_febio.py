@@ -177,7 +177,8 @@ def test_every_array_comes_back_or_is_named():
     side = [0.2, 0, 0], [-1, 0, 0]
     scene = supported(scene, [0, 0, 0], [0, 0, 1], Support="Direction")
     scene = supported(scene, *side, Support="Springs", Load="Traction")
-    scene = SetBoundary(Input=scene, Support="Nothing", Load="Pressure", LoadBy="Surface")
+    scene = SetBoundary(Input=scene, Support="Nothing", Load="Pressure", LoadBy="Surface",
+                        Contact="Also With Themselves")
     grid = fetch(scene)
     missing = documented_arrays() - {name for _, name in arrays_of(grid)}
     assert not missing, f"the scene of this test has no {missing}"
@@ -189,7 +190,7 @@ def test_every_array_comes_back_or_is_named():
     before, after = arrays_of(grid), arrays_of(expect_silence(lambda: fetch(OpenDataFile(name))))
     lost = {key[1] for key, values in before.items() if values != after.get(key)}
     assert lost == {"Shade", "ViscousTime", "Formulation", "MergedPoints", "SupportStiffness",
-                    "LoadedArea", "BoundaryKind"}, lost
+                    "LoadedArea", "BoundaryKind", "ContactPart", "PartContact"}, lost
     lost.remove("BoundaryKind")  # follows from the rest
     for array in lost:
         assert array in messages.text, (array, messages.text)

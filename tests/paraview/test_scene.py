@@ -92,7 +92,8 @@ def test_every_property(body):
             "Support": "Springs", "HeldDirection": [1.0, 0.0, 2.0], "SupportStiffness": 2e4,
             "Load": "Traction", "AppliedPressure": 5.0, "AppliedTraction": [1.0, 2.0, 3.0],
             "LoadBy": "Cavities", "LoadRegion": "Sphere", "LoadArray": "Inlet",
-            "LoadSelection": selection},
+            "LoadSelection": selection, "Contact": "Also With Themselves", "PartsBy": "Array",
+            "PartArray": "Part", "ContactThickness": 0.002, "ContactStiffness": 1e4},
         SolveEquilibrium: {
             "ActiveNodes": [3, 4], "Displacement": [0.01, 0, 0, 0, 0.01, 0], "TipRadius": 0.01,
             "Tolerance": 1e-8, "MaximumIterations": 20, "MaximumSeconds": 5.0, "Threads": 2,
