@@ -493,9 +493,13 @@ void vtkPalpateSetBoundary::Touch(vtkUnstructuredGrid* body, palpate::Scene& sce
     }
   }
   std::vector<Index>& parts = scene.body.part_of_cell;
-  parts = palpate::find_pieces(scene.body.mesh).of_cell;
-  if (this->PartsBy == PART_ARRAY)
+  if (this->PartsBy == PIECES)
   {
+    parts = palpate::find_pieces(scene.body.mesh).of_cell;
+  }
+  else if (this->PartsBy == PART_ARRAY)
+  {
+    parts.resize(static_cast<std::size_t>(scene.body.mesh.num_cells()));
     vtkDataArray* array = vtkPalpateScalarArray(body->GetCellData(), this->PartArray.c_str());
     if (!array)
     {
@@ -518,7 +522,7 @@ void vtkPalpateSetBoundary::Touch(vtkUnstructuredGrid* body, palpate::Scene& sce
       parts[cell] = numbers.at(array->GetComponent(static_cast<vtkIdType>(cell), 0));
     }
   }
-  else if (this->PartsBy != PIECES)
+  else
   {
     throw InputError(
       "PartsBy is " + std::to_string(this->PartsBy) + "; it must be 0 (Pieces) or 1 (Array).");

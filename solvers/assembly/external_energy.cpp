@@ -4,20 +4,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "assembly/cross_matrix.h"
 #include "assembly/mass.h"
 
 namespace palpate {
-namespace {
-
-/// The matrix of v ↦ a × v.
-Mat3 cross_matrix(const Vec3& a) {
-  Mat3 matrix;
-  matrix << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return matrix;
-}
-
-}  // namespace
-
 std::optional<PointMatrix> springs_of(const Body& body, const Assembly& assembly) {
   const std::vector<Index> faces = faces_with(body.mesh, body.support_stiffness);
   if (faces.empty()) return std::nullopt;

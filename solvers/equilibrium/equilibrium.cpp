@@ -122,8 +122,8 @@ class EquilibriumSolver::Impl {
         support_(scene.body.mesh, system_.holding_points()),
         rest_(NodalVector::Zero(system_.assembly().state_size())) {
     settled_.outcome = Outcome::converged;
-    if (scene.has_load() || !scene.body.support_stiffness.empty() ||
-        !with_contact(contact_.get(), terms).empty()) {
+    if (scene.has_load() || !scene.body.support_stiffness.empty() || contact_ != nullptr ||
+        !terms.empty()) {
       set_external(scene, terms);
     }
   }

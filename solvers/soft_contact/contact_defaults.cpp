@@ -13,7 +13,7 @@ constexpr double kStiffnessOfModulus = 2;
 
 }  // namespace
 
-double usual_contact_thickness(const TetMesh& mesh) {
+double mean_surface_edge(const TetMesh& mesh) {
   double sum = 0;
   const std::vector<std::array<Index, 3>> triangles = boundary_triangles(mesh);
   for (const auto& triangle : triangles) {
@@ -21,7 +21,11 @@ double usual_contact_thickness(const TetMesh& mesh) {
       sum += (mesh.points[triangle[a]] - mesh.points[triangle[(a + 1) % 3]]).norm();
     }
   }
-  return kThicknessOfEdge * sum / (3 * static_cast<double>(triangles.size()));
+  return sum / (3 * static_cast<double>(triangles.size()));
+}
+
+double usual_contact_thickness(const TetMesh& mesh) {
+  return kThicknessOfEdge * mean_surface_edge(mesh);
 }
 
 double usual_contact_stiffness(const Scene& scene) {

@@ -6,6 +6,9 @@
 
 namespace palpate {
 
+/// The mean edge of the triangles of the surface's corners, m.
+[[nodiscard]] double mean_surface_edge(const TetMesh& mesh);
+
 /// A fifth of the mean edge of the surface, m: the mesh does not resolve a thinner layer.
 [[nodiscard]] double usual_contact_thickness(const TetMesh& mesh);
 /// Twice the least Young's modulus under the surface, Pa.

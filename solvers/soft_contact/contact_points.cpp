@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "assembly/cross_matrix.h"
 #include "assembly/loaded_faces.h"
 
 namespace palpate {
@@ -14,12 +15,6 @@ namespace {
 /// An edge is divided at most this often, however coarse a face is.
 constexpr int kMostDivisions = 8;
 constexpr double kPointsOfRule = 6;
-
-Mat3 cross_matrix(const Vec3& a) {
-  Mat3 matrix;
-  matrix << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return matrix;
-}
 
 }  // namespace
 

@@ -13,6 +13,7 @@
 #include "base/quantity.h"
 #include "mesh/box_tree.h"
 #include "mesh/surface_tree.h"
+#include "soft_contact/contact_defaults.h"
 
 namespace palpate {
 namespace {
@@ -58,15 +59,10 @@ Step smooth_step(double t) {
           420 * t * t * r * r * (1 - 2 * t)};
 }
 
-double mean_edge(const ContactPoints& points) {
-  double sum = 0;
-  for (Index f = 0; f < points.num_faces(); ++f) {
-    const Index* nodes = points.nodes(f);
-    for (int a = 0; a < 3; ++a) {
-      sum += (points.rest()[nodes[a]] - points.rest()[nodes[(a + 1) % 3]]).norm();
-    }
-  }
-  return sum / (3 * points.num_faces());
+BoxTree::Box inflated(BoxTree::Box box, double by) {
+  box.min().array() -= by;
+  box.max().array() += by;
+  return box;
 }
 
 /// The share of a step after which two boxes that are moved may meet; nothing: they do not.
@@ -126,8 +122,8 @@ void require_apart(const Body& body, double thickness) {
 }
 
 double spacing_for(const Scene& scene) {
-  const double edge = mean_edge(ContactPoints(scene.body, std::numeric_limits<double>::max()));
-  return std::max(kSpacing * scene.organ.contact.thickness, kSpacingOfEdge * edge);
+  return std::max(kSpacing * scene.organ.contact.thickness,
+                  kSpacingOfEdge * mean_surface_edge(scene.body.mesh));
 }
 
 }  // namespace
@@ -172,11 +168,13 @@ struct SoftContact::NearPoint : PointFeatures {
   double area;
 };
 
-SoftContact::SoftContact(const Scene& scene)
-    : points_(scene.body, spacing_for(scene)),
+SoftContact::SoftContact(const Scene& scene) : SoftContact(scene, spacing_for(scene)) {}
+
+SoftContact::SoftContact(const Scene& scene, double spacing)
+    : points_(scene.body, spacing),
       with_themselves_(scene.organ.touching == TouchingParts::all),
       law_(scene.organ.contact),
-      reach_(std::max(kReachOfThickness * law_.thickness, kReachOfSpacing * spacing_for(scene))),
+      reach_(std::max(kReachOfThickness * law_.thickness, kReachOfSpacing * spacing)),
       least_sum_(kLeastCover * M_PI * reach_ * reach_ / 5),
       offsets_(static_cast<std::size_t>(points_.num_points()), 0.0) {
   validate(law_);
@@ -232,7 +230,6 @@ std::unique_ptr<SoftContact::Neighbours> SoftContact::find_neighbours(
   const double reach = (1 + kMargin) * reach_;
   const Index num_faces = points_.num_faces();
   std::vector<Vec3> places;
-  std::vector<Vec3> normals;
   places.reserve(static_cast<std::size_t>(points_.num_points()));
   std::vector<BoxTree::Box> boxes(static_cast<std::size_t>(num_faces));
   for (Index f = 0; f < num_faces; ++f) {
@@ -245,9 +242,7 @@ std::unique_ptr<SoftContact::Neighbours> SoftContact::find_neighbours(
   // Point by point, face by face; faces without others are left out afterwards.
   std::vector<std::vector<Index>> others_of_face(boxes.size());
   for (Index f = 0; f < num_faces; ++f) {
-    BoxTree::Box box = boxes[f];
-    box.min().array() -= reach;
-    box.max().array() += reach;
+    const BoxTree::Box box = inflated(boxes[f], reach);
     tree.for_overlapping(box, [&](Index place) {
       const Index other = tree.order()[place];
       if (may_touch(f, other) && box.intersects(boxes[other])) {
@@ -256,12 +251,9 @@ std::unique_ptr<SoftContact::Neighbours> SoftContact::find_neighbours(
     });
     std::sort(others_of_face[f].begin(), others_of_face[f].end());
   }
-  struct Found {
-    Index point;
-    std::uint32_t slot;
-  };
-  std::vector<Found> others;
-  std::vector<Index> number(static_cast<std::size_t>(points_.num_points()), -1);
+  // The others are points of the surface until all that are felt are numbered.
+  std::vector<Neighbours::Other>& others = found->others;
+  std::vector<std::uint32_t> number(static_cast<std::size_t>(points_.num_points()), 0);
   std::vector<Index> kept;
   std::vector<std::uint32_t> slot_of;
   std::uint32_t num_points = 0;
@@ -279,7 +271,7 @@ std::unique_ptr<SoftContact::Neighbours> SoftContact::find_neighbours(
         for (Index q = points_.first_point(other); q < points_.first_point(other + 1); ++q) {
           if ((places[p] - places[q]).squaredNorm() >= reach * reach) continue;
           if (points_.part(f) == points_.part(other) && are_two_sides(p, q)) continue;
-          others.push_back({q, static_cast<std::uint32_t>(s)});
+          others.push_back({static_cast<std::uint32_t>(q), static_cast<std::uint32_t>(s)});
           is_used[s] = 1;
         }
       }
@@ -299,14 +291,11 @@ std::unique_ptr<SoftContact::Neighbours> SoftContact::find_neighbours(
     found->faces.push_back(f);
     found->first_point.push_back(num_points);
     for (Index p = points_.first_point(f); p < points_.first_point(f + 1); ++p) {
-      number[p] = static_cast<Index>(num_points++);
+      number[p] = num_points++;
     }
   }
   found->first_point.push_back(num_points);
-  found->others.reserve(others.size());
-  for (const Found& other : others) {
-    found->others.push_back({static_cast<std::uint32_t>(number[other.point]), other.slot});
-  }
+  for (Neighbours::Other& other : others) other.point = number[other.point];
 
   const int per_face = points_.nodes_per_face();
   for (const Index f : found->faces) {
@@ -702,10 +691,7 @@ double SoftContact::longest_share(const NodalVector& state, const NodalVector& s
   const BoxTree tree(boxes);
   double share = 1;
   for (std::size_t f = 0; f < num_faces; ++f) {
-    BoxTree::Box box = boxes[f];
-    box.min().array() -= farthest;
-    box.max().array() += farthest;
-    tree.for_overlapping(box, [&](Index place) {
+    tree.for_overlapping(inflated(boxes[f], farthest), [&](Index place) {
       const auto g = static_cast<std::size_t>(tree.order()[place]);
       if (g <= f || !may_touch(static_cast<Index>(f), static_cast<Index>(g))) return;
       const std::optional<double> meet = first_meeting(boxes[f], ways[f], boxes[g], ways[g]);

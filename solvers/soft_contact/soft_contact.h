@@ -50,7 +50,6 @@ class SoftContact final : public EnergyTerm {
 
   /// ρ, m.
   [[nodiscard]] double reach() const { return reach_; }
-  [[nodiscard]] const ContactPoints& points() const { return points_; }
 
   /// What a point feels.
   struct AtPoint {
@@ -92,6 +91,8 @@ class SoftContact final : public EnergyTerm {
     double pressure;
   };
 
+  /// @param spacing The distance of the points, m.
+  SoftContact(const Scene& scene, double spacing);
   [[nodiscard]] bool may_touch(Index face, Index other) const;
   /// The points near each other, at a state or one that differs little from it.
   [[nodiscard]] Neighbours& near(const NodalVector& state) const;

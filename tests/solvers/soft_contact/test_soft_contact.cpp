@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "assembly/assembly.h"
 #include "base/error.h"
@@ -23,25 +24,14 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The first node of the upper part.
-Index first_of_upper(const Scene& scene) {
-  const TetMesh& mesh = scene.body.mesh;
-  const auto per_cell = static_cast<Index>(nodes_per_cell(mesh.order));
-  Index first = mesh.num_points();
-  for (Index c = 0; c < mesh.num_cells(); ++c) {
-    if (scene.body.part_of(c) == 0) continue;
-    for (Index a = 0; a < per_cell; ++a) first = std::min(first, mesh.cell(c)[a]);
-  }
-  return first;
-}
-
 /// The upper part, moved down and bent, with random displacements everywhere.
 NodalVector squeezed(const Scene& scene, double depth, double noise) {
   const auto& points = scene.body.mesh.points;
-  const auto first = static_cast<std::size_t>(first_of_upper(scene));
+  const std::vector<char> is_upper = points_of_upper(scene);
   Random random(5);
   NodalVector u = random.vector(3 * static_cast<Eigen::Index>(points.size()), noise);
-  for (std::size_t p = first; p < points.size(); ++p) {
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    if (is_upper[p] == 0) continue;
     u.segment<3>(3 * static_cast<Eigen::Index>(p)) +=
         Vec3(0.0004, -0.0003, -depth + 0.0004 * std::sin(200 * points[p].x()));
   }
@@ -125,8 +115,9 @@ NodalVector none(const Scene& scene) {
 /// The upper part moved as a whole, m.
 NodalVector moved(const Scene& scene, const Vec3& way) {
   NodalVector u = none(scene);
-  for (Index p = first_of_upper(scene); p < scene.body.mesh.num_points(); ++p) {
-    u.segment<3>(3 * Eigen::Index{p}) = way;
+  const std::vector<char> is_upper = points_of_upper(scene);
+  for (Index p = 0; p < scene.body.mesh.num_points(); ++p) {
+    if (is_upper[p] != 0) u.segment<3>(3 * Eigen::Index{p}) = way;
   }
   return u;
 }
@@ -174,7 +165,7 @@ TEST(SoftContact, ForcesAndMomentsOfTheTwoPartsBalance) {
   const SoftContact contact(scene);
   const NodalVector u = squeezed(scene, 0.0012, 2e-4);
   const NodalVector force = force_at(contact, u);
-  const Index first = first_of_upper(scene);
+  const std::vector<char> is_upper = points_of_upper(scene);
   Vec3 sum = Vec3::Zero();
   Vec3 moment = Vec3::Zero();
   Vec3 on_upper = Vec3::Zero();
@@ -183,7 +174,7 @@ TEST(SoftContact, ForcesAndMomentsOfTheTwoPartsBalance) {
     const Vec3 place = scene.body.mesh.points[p] + u.segment<3>(at);
     sum += force.segment<3>(at);
     moment += place.cross(Vec3(force.segment<3>(at)));
-    if (p >= first) on_upper += force.segment<3>(at);
+    if (is_upper[p] != 0) on_upper += force.segment<3>(at);
   }
   ASSERT_GT(on_upper.norm(), 0.01);
   EXPECT_LT(sum.norm(), 1e-12 * on_upper.norm());

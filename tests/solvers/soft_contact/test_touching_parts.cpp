@@ -20,17 +20,6 @@
 namespace palpate::test::test_touching_parts {
 namespace {
 
-/// The points of the upper part.
-std::vector<char> points_of_upper(const Scene& scene) {
-  const TetMesh& mesh = scene.body.mesh;
-  std::vector<char> is_upper(mesh.points.size(), 0);
-  for (Index c = 0; c < mesh.num_cells(); ++c) {
-    if (scene.body.part_of(c) == 0) continue;
-    for (int a = 0; a < nodes_per_cell(mesh.order); ++a) is_upper[mesh.cell(c)[a]] = 1;
-  }
-  return is_upper;
-}
-
 /// Bends the surface of the upper part that faces the lower one to a paraboloid of this radius.
 void make_dome(Scene& scene, const TwoBlocksOptions& options, double radius) {
   const std::vector<char> is_upper = points_of_upper(scene);

@@ -36,4 +36,14 @@ Scene make_two_blocks(const TwoBlocksOptions& options) {
   return scene;
 }
 
+std::vector<char> points_of_upper(const Scene& scene) {
+  const TetMesh& mesh = scene.body.mesh;
+  std::vector<char> is_upper(mesh.points.size(), 0);
+  for (Index c = 0; c < mesh.num_cells(); ++c) {
+    if (scene.body.part_of(c) == 0) continue;
+    for (int a = 0; a < nodes_per_cell(mesh.order); ++a) is_upper[mesh.cell(c)[a]] = 1;
+  }
+  return is_upper;
+}
+
 }  // namespace palpate::test

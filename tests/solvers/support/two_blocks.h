@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "assembly/scene.h"
 #include "materials/material.h"
@@ -29,5 +30,8 @@ struct TwoBlocksOptions {
 /// The lower block, part 0, is fixed at its bottom; the upper one, part 1, at its top. Both begin
 /// at x = y = 0 and z = 0 but for upper_at; the upper one is above the lower one.
 [[nodiscard]] Scene make_two_blocks(const TwoBlocksOptions& options = {});
+
+/// 1 for each point of part 1 [num_points].
+[[nodiscard]] std::vector<char> points_of_upper(const Scene& scene);
 
 }  // namespace palpate::test
