@@ -312,8 +312,13 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
   if (const auto contact = palpate::make_soft_contact(scene))
   {
     vtkPalpateAddPartContact(*contact, state.u, output);
+    // A body that finds no rest has no sensitivity.
+    if (state.v.cols() > 0)
+    {
+      vtkPalpateAddField<vtkDoubleArray>(
+        output, "PartLayerForce", 3, contact->layer_force(state.u, state.v));
+    }
   }
-  // A body that finds no rest has no sensitivity.
   if (this->EstimateMeshError && state.v.size() > 0)
   {
     this->AddMeshError(scene, route, solver, state, output);

@@ -29,6 +29,9 @@
  * tool: by which share its force is expected to be too large because of the size of the cells, see
  * solvers/interaction/mesh_error.h
  *
+ *   `PartLayerForce`  only where parts of the body touch: by how much ReactionForce is too large
+ * because of the layer in which they press each other, N; a tuple a tool
+ *
  * with a rigid tool the point array `ContactPressure` (Pa), and the cell array `MinimumDetF`, the
  * least det F of each cell; where they are asked for also the cell and point arrays of
  * vtkPalpateStress.h, and the cell array `MeshErrorEnergy` (J), see

@@ -25,9 +25,14 @@ class EnergyTerm {
   virtual double add(const NodalVector& state, NodalVector& force,
                      std::vector<double>* values) const = 0;
 
-  /// Sets the pairs of points that the term couples at a state, and their blocks. There may be more
-  /// pairs than it couples there: as long as each pair was named before, nothing is analysed anew.
+  /// Sets the pairs of points that the term couples at a state, and their blocks.
   virtual void take_blocks(const NodalVector& /*state*/, PairBlocks& /*blocks*/) const {}
+
+  /// The pairs of points that the term couples at a state, or may couple at states near it. When a
+  /// new pair makes an analysis necessary, these have room from then on.
+  [[nodiscard]] virtual std::vector<PointPair> pairs_around(const NodalVector& /*state*/) const {
+    return {};
+  }
 
   /// How far a point of the body may move in one step of a solve, m.
   [[nodiscard]] virtual double longest_step() const {

@@ -76,11 +76,13 @@ std::vector<FacePoint> divided_quadrature(ElementOrder order, int divisions) {
   points.reserve(6 * static_cast<std::size_t>(divisions) * static_cast<std::size_t>(divisions));
   for (int i = 0; i < divisions; ++i) {
     for (int j = 0; i + j < divisions; ++j) {
-      for (const RulePoint& p : kRule) {
-        const double weight = 0.5 * (side * side * p.share);
-        points.push_back(face_point(order, weight, side * (i + p.a), side * (j + p.b)));
-        if (i + j + 1 < divisions) {
-          points.push_back(face_point(order, weight, side * (i + 1 - p.a), side * (j + 1 - p.b)));
+      for (const bool is_turned : {false, true}) {
+        if (is_turned && i + j + 1 == divisions) continue;
+        for (const RulePoint& p : kRule) {
+          const double a = is_turned ? 1 - p.a : p.a;
+          const double b = is_turned ? 1 - p.b : p.b;
+          const double weight = 0.5 * (side * side * p.share);
+          points.push_back(face_point(order, weight, side * (i + a), side * (j + b)));
         }
       }
     }

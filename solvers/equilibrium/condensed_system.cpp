@@ -44,7 +44,8 @@ CondensedSystem::CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolve
   for (const EnergyTerm* term : terms) {
     PairBlocks at_rest;
     term->take_blocks(rest_, at_rest);
-    if (pattern_.add(at_rest.pairs)) constraints_.set_pattern(pattern());
+    pattern_.add(at_rest.pairs);
+    constraints_.set_pattern(pattern());
   }
   if (solver != nullptr) {
     take_solver(std::move(solver));
@@ -91,7 +92,12 @@ std::vector<PairBlocks> CondensedSystem::blocks_of_terms(const NodalVector& stat
   bool has_grown = false;
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     terms_[i]->take_blocks(state, blocks[i]);
-    has_grown = pattern_.add(blocks[i].pairs) || has_grown;
+    if (pattern_.has_room_for(blocks[i].pairs)) continue;
+    const SymmetricPattern before = pattern();
+    pattern_.add(blocks[i].pairs);
+    pattern_.add(terms_[i]->pairs_around(state));
+    spread_undeformed(before);
+    has_grown = true;
   }
   if (has_grown) {
     analyse_anew();
@@ -105,6 +111,13 @@ std::vector<PairBlocks> CondensedSystem::blocks_of_terms(const NodalVector& stat
   return blocks;
 }
 
+void CondensedSystem::spread_undeformed(const SymmetricPattern& before) {
+  std::vector<double> values(pattern().row.size(), 0.0);
+  const std::vector<Index> positions = positions_in(pattern(), before);
+  for (std::size_t i = 0; i < positions.size(); ++i) values[positions[i]] = undeformed_[i];
+  undeformed_ = std::move(values);
+}
+
 void CondensedSystem::analyse_anew() {
   places_of_terms_.assign(terms_.size(), {});
   constraints_.set_pattern(pattern());
@@ -116,7 +129,6 @@ void CondensedSystem::analyse_anew() {
     factors_.remove_if([](const KeptFactor& factor) { return factor.state.size() == 0; });
     take_solver(std::move(solver));
   }
-  measure_stiffness();
   has_tangent_ = false;
   if (krylov_ != nullptr) {
     krylov_ = std::make_unique<KrylovTangent>(mesh_, assembly_, pattern(), undeformed_);
@@ -173,11 +185,18 @@ void CondensedSystem::set_interaction(const Interaction& interaction) {
   is_shared_.reset();
   has_tangent_ = false;
   for (KeptFactor& factor : factors_) factor.state.resize(0);
-  if (pattern_.add(interaction_->couplings())) {
-    drop_rest_factor();
-    analyse_anew();
-  }
+  make_room_for_tool();
   place_tool();
+}
+
+void CondensedSystem::make_room_for_tool() {
+  const std::vector<PointPair> couplings = interaction_->couplings();
+  if (pattern_.has_room_for(couplings)) return;
+  const SymmetricPattern before = pattern();
+  pattern_.add(couplings);
+  spread_undeformed(before);
+  drop_rest_factor();
+  analyse_anew();
 }
 
 void CondensedSystem::place_tool() {

@@ -270,9 +270,12 @@ class CondensedSystem {
   /// The blocks of each term at a state. Makes room for them on the pattern, and finds their
   /// places.
   [[nodiscard]] std::vector<PairBlocks> blocks_of_terms(const NodalVector& state);
+  /// Gives the values of the undeformed body their places in a pattern that has grown.
+  void spread_undeformed(const SymmetricPattern& before);
   /// Prepares for a pattern that has grown. What comes from now on is on the new pattern; factors
   /// that are kept stay valid.
   void analyse_anew();
+  void make_room_for_tool();
   /// Finds the values of the pattern that belong to unknowns which the tool holds.
   void place_tool();
   void assemble(const NodalVector& state, std::vector<double>& values);

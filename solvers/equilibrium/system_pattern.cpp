@@ -64,7 +64,8 @@ SymmetricPattern with_blocks(const SymmetricPattern& pattern, const std::vector<
   return grown;
 }
 
-/// The position in the whole pattern of each value of a pattern that is part of it.
+}  // namespace
+
 std::vector<Index> positions_in(const SymmetricPattern& whole, const SymmetricPattern& part) {
   std::vector<Index> positions;
   positions.reserve(part.row.size());
@@ -78,14 +79,15 @@ std::vector<Index> positions_in(const SymmetricPattern& whole, const SymmetricPa
   return positions;
 }
 
-}  // namespace
+bool SystemPattern::has_room_for(const std::vector<PointPair>& pairs) const {
+  return find_missing(pairs, assembly_.unknown_of_point(), whole()).empty();
+}
 
-bool SystemPattern::add(const std::vector<PointPair>& pairs) {
+void SystemPattern::add(const std::vector<PointPair>& pairs) {
   const std::vector<Block> missing = find_missing(pairs, assembly_.unknown_of_point(), whole());
-  if (missing.empty()) return false;
+  if (missing.empty()) return;
   grown_ = with_blocks(whole(), missing);
   position_ = positions_in(grown_, assembly_.pattern());
-  return true;
 }
 
 void SystemPattern::spread(const std::vector<double>& of_materials,

@@ -16,6 +16,10 @@
 
 namespace palpate {
 
+/// The position in the whole pattern of each value of a pattern that is part of it.
+[[nodiscard]] std::vector<Index> positions_in(const SymmetricPattern& whole,
+                                              const SymmetricPattern& part);
+
 class SystemPattern {
  public:
   /// @param assembly It must outlive this object.
@@ -27,10 +31,12 @@ class SystemPattern {
   /// Whether there are pairs that the materials do not couple.
   [[nodiscard]] bool has_grown() const { return grown_.size > 0; }
 
+  /// Whether there is room for pairs of points.
+  [[nodiscard]] bool has_room_for(const std::vector<PointPair>& pairs) const;
   /// Makes room for pairs of points; those of a point that does not move need none.
-  /// @returns Whether the pattern has grown, so that positions in it have changed.
+  /// If the pattern grows, positions in it change.
   /// @throws InputError as require_storable().
-  [[nodiscard]] bool add(const std::vector<PointPair>& pairs);
+  void add(const std::vector<PointPair>& pairs);
 
   /// Sets `values` on the whole pattern to those of the materials, and to zero beyond them.
   /// @param of_materials The values on Assembly::pattern().

@@ -78,6 +78,29 @@ PointFeatures ContactPoints::features(Index point, const NodalVector& state) con
   return at;
 }
 
+Vec3 ContactPoints::place(Index point, const NodalVector& state) const {
+  const Shape& shape = this->shape(point);
+  const Index* face = nodes(face_of_[point]);
+  Vec3 place = Vec3::Zero();
+  for (int a = 0; a < nodes_per_face_; ++a) place += shape.values[a] * node_place(face[a], state);
+  return place;
+}
+
+void ContactPoints::add_to_nodes(Index point, const PointFeatures& at, const Vec6& gradient,
+                                 NodalVector& of_nodes) const {
+  const Shape& shape = this->shape(point);
+  const Index* face = nodes(face_of_[point]);
+  const Vec3 by_place = gradient.head<3>();
+  const Vec3 by_normal = gradient.tail<3>();
+  const Vec3 across = at.inverse_area * (by_normal - at.normal.dot(by_normal) * at.normal);
+  const Vec3 by_1 = at.tangent_2.cross(across);
+  const Vec3 by_2 = across.cross(at.tangent_1);
+  for (int a = 0; a < nodes_per_face_; ++a) {
+    of_nodes.segment<3>(3 * Eigen::Index{face[a]}) +=
+        shape.values[a] * by_place + shape.slopes_1[a] * by_1 + shape.slopes_2[a] * by_2;
+  }
+}
+
 ContactPoints::Slopes ContactPoints::slopes(Index point, const PointFeatures& at) const {
   const Shape& shape = this->shape(point);
   const Mat3 across = at.inverse_area * (Mat3::Identity() - at.normal * at.normal.transpose());
@@ -89,6 +112,22 @@ ContactPoints::Slopes ContactPoints::slopes(Index point, const PointFeatures& at
     slopes.block<3, 3>(3, 3 * a) = shape.slopes_1[a] * by_1 + shape.slopes_2[a] * by_2;
   }
   return slopes;
+}
+
+Vec3 ContactPoints::corner_normal(Index face, int corner, const NodalVector& state) const {
+  // The edges leave the corner towards the next two; a midside node follows the corners, in the
+  // order of the edges 01, 12, 20.
+  const Index* all = nodes(face);
+  const int next = (corner + 1) % 3;
+  const int last = (corner + 2) % 3;
+  const Vec3 here = node_place(all[corner], state);
+  Vec3 tangent_1 = node_place(all[next], state) - here;
+  Vec3 tangent_2 = node_place(all[last], state) - here;
+  if (nodes_per_face_ == kMostNodes) {
+    tangent_1 = 4 * (node_place(all[3 + corner], state) - here) - tangent_1;
+    tangent_2 = 4 * (node_place(all[3 + last], state) - here) - tangent_2;
+  }
+  return tangent_1.cross(tangent_2).normalized();
 }
 
 void ContactPoints::add_curvature(Index point, const PointFeatures& at, const Vec3& by_normal,

@@ -61,10 +61,18 @@ class ContactPoints {
 
   /// @param state The displacement of the points of the mesh, m.
   [[nodiscard]] PointFeatures features(Index point, const NodalVector& state) const;
+  /// The place of a point, m.
+  [[nodiscard]] Vec3 place(Index point, const NodalVector& state) const;
   [[nodiscard]] Slopes slopes(Index point, const PointFeatures& at) const;
+  /// Adds the derivative of an energy by place and normal of a point to that by the nodes.
+  void add_to_nodes(Index point, const PointFeatures& at, const Vec6& gradient,
+                    NodalVector& of_nodes) const;
   /// Adds the second derivative of by_normal · n.
   void add_curvature(Index point, const PointFeatures& at, const Vec3& by_normal,
                      FaceBlock& block) const;
+
+  /// The outward normal at a corner of a face in a state.
+  [[nodiscard]] Vec3 corner_normal(Index face, int corner, const NodalVector& state) const;
 
   /// The place of a node of a face in a state, m.
   [[nodiscard]] Vec3 node_place(Index node, const NodalVector& state) const {

@@ -25,10 +25,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "assembly/energy_term.h"
 #include "assembly/scene.h"
+#include "soft_contact/contact_neighbours.h"
 #include "soft_contact/contact_points.h"
 
 namespace palpate {
@@ -38,6 +40,9 @@ class SoftContact final : public EnergyTerm {
   /// @param scene A scene that check() accepts, whose parts touch each other.
   /// @throws InputError two parts overlap in the mesh by more than the thickness.
   explicit SoftContact(const Scene& scene);
+  /// @param spacing The mean distance of the points of contact on a face, roughly, m. By default it
+  ///   follows from the thickness and the mean edge of the surface.
+  SoftContact(const Scene& scene, double spacing);
   ~SoftContact() override;
   SoftContact(const SoftContact&) = delete;
   SoftContact& operator=(const SoftContact&) = delete;
@@ -45,6 +50,7 @@ class SoftContact final : public EnergyTerm {
   double add(const NodalVector& state, NodalVector& force,
              std::vector<double>* values) const override;
   void take_blocks(const NodalVector& state, PairBlocks& blocks) const override;
+  [[nodiscard]] std::vector<PointPair> pairs_around(const NodalVector& state) const override;
   [[nodiscard]] double longest_share(const NodalVector& state,
                                      const NodalVector& step) const override;
 
@@ -75,53 +81,66 @@ class SoftContact final : public EnergyTerm {
   };
   [[nodiscard]] OnSurface on_surface(const NodalVector& state) const;
 
+  /// The part of a force that is the error of the layer, to first order in its thickness: with hard
+  /// surfaces the force would be smaller by it, N. These would touch at the gap 0, where the layer
+  /// lets points press each other at the gap f(p). By the principle of complementary energy, the
+  /// energy of the body is larger by ½ Σ w σ ∫ f dp for it.
+  /// @param sensitivity ∂u/∂q of the coordinates q of a tool [components × q].
+  [[nodiscard]] Eigen::VectorXd layer_force(const NodalVector& state,
+                                            const Eigen::MatrixXd& sensitivity) const;
+
  private:
-  struct Neighbours;
-  struct NearPoint;
-  struct FeltPair;
-  /// Sums over the other points, and the derivatives of a point's energy by P and S.
+  /// Sums over the other points.
   struct Sums {
     double s = 0;
     double p = 0;
     [[nodiscard]] double gap() const { return p / s; }
   };
+  /// A point's energy, and its derivatives by P and S; 0 where the law does not act.
   struct Jet {
-    double value, p, s, pp, ps, ss;
+    double value = 0, p = 0, s = 0, pp = 0, ps = 0, ss = 0;
     /// −ψ′ σ, Pa.
-    double pressure;
+    double pressure = 0;
   };
+  struct FeltPair;
+  struct Sight;
+  struct Coupling;
 
-  /// @param spacing The distance of the points, m.
-  SoftContact(const Scene& scene, double spacing);
-  [[nodiscard]] bool may_touch(Index face, Index other) const;
   /// The points near each other, at a state or one that differs little from it.
-  [[nodiscard]] Neighbours& near(const NodalVector& state) const;
-  [[nodiscard]] std::unique_ptr<Neighbours> find_neighbours(const NodalVector& state) const;
-  [[nodiscard]] std::vector<NearPoint> features(const Neighbours& near,
-                                                const NodalVector& state) const;
-  /// @param felt Set to the points that i sees.
-  [[nodiscard]] Sums sums(const Neighbours& near, const std::vector<NearPoint>& at, std::size_t i,
-                          std::vector<FeltPair>& felt) const;
-  /// @returns Whether the law acts there.
-  [[nodiscard]] bool find_energy(const NearPoint& i, const Sums& sums, Jet& jet) const;
+  [[nodiscard]] const ContactNeighbours& near(const NodalVector& state) const;
+  /// What the points near each other see in a state. It is valid until the next call.
+  /// @param reach ρ, or more.
+  [[nodiscard]] const Sight& look(const NodalVector& state, double reach) const;
+  /// @param further As of acts().
+  [[nodiscard]] Coupling couple(const Sight& sight, double further) const;
+  /// @param further How far beyond the thickness the law is taken to act, m.
+  [[nodiscard]] bool acts(Index point, const Sums& sums, double further) const;
+  /// The energy of a point where the law acts.
+  [[nodiscard]] Jet energy_of(Index point, const Sums& sums) const;
+  /// ½ Σ w σ ∫ f dp, J.
+  [[nodiscard]] double layer_energy(const NodalVector& state) const;
   /// Whether a point sees so much of the other side that it may touch it.
   [[nodiscard]] bool is_covered(const Sums& sums) const;
   [[nodiscard]] bool has_passed_through(const Sums& sums) const;
-  /// Whether two points of one part are on two sides of it, as of a thin plate or beside an edge.
-  [[nodiscard]] bool are_two_sides(Index point, Index other) const;
+  /// A share of a step within which no surface passes through another one unnoticed.
+  /// @param depths Those of the faces in the state.
+  [[nodiscard]] double safe_share(const NodalVector& state, const NodalVector& step,
+                                  const std::vector<double>& depths) const;
+  /// How deep a point of each face of the surface is inside another one, m; 0 if none is.
+  [[nodiscard]] std::vector<double> depths_of_faces(const NodalVector& state) const;
   void set_offsets();
 
   ContactPoints points_;
-  bool with_themselves_;
   ContactLaw law_;
   double reach_;
+  TouchRule rule_;
   /// S₀, m².
   double least_sum_;
   /// o of each point, m.
   std::vector<double> offsets_;
-  /// The points at rest; empty where no part touches itself.
-  std::vector<PointFeatures> rest_;
-  mutable std::unique_ptr<Neighbours> neighbours_;
+  mutable std::optional<ContactNeighbours> neighbours_;
+  /// Of the last state that was looked at.
+  mutable std::unique_ptr<Sight> sight_;
 };
 
 /// The contact of the parts of a scene; null: they do not touch each other.

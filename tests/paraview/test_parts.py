@@ -65,6 +65,14 @@ def test_an_organ_presses_its_bed():
     assert numpy.isnan(gap).any()
     assert -thickness < numpy.nanmin(gap) < 0
     assert 0 < field(after, "PartPenetration")[0] < thickness
+    # The parts lie on each other: a hard surface would give way less.
+    of_layer = field(after, "PartLayerForce")[0]
+    force = field(after, "ReactionForce")[0]
+    assert 0.01 < numpy.dot(of_layer, force) / -numpy.dot(force, force) < 0.3, (of_layer, force)
+    thin = fetch(press(held(parts("thin"), Contact="Between Parts",
+                            ContactThickness=thickness / 4), 0.008))
+    assert (numpy.linalg.norm(field(thin, "PartLayerForce")[0])
+            < 0.5 * numpy.linalg.norm(of_layer))
     # Without contact the organ hangs in its springs.
     without = fetch(press(held(parts("loose")), 0.008))
     assert (-field(without, "ReactionForce")[0][2]

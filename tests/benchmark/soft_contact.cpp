@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The contact of soft parts: what a configuration costs beside the same body whose parts do not
+// touch each other.
+//
+//   palpate_benchmark_soft_contact walk|scene.palpate [--presses 60] [--seed 1]
+//
+// Prints the tables of README.md.
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <vector>
+
+#include "arguments.h"
+#include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
+#include "interaction/interaction_list.h"
+#include "linear/linear_solver.h"
+#include "soft_contact/soft_contact.h"
+#include "solvers/support/bodies.h"
+#include "solvers/support/random.h"
+#include "solvers/support/two_blocks.h"
+#include "solvers/support/two_half_spaces.h"
+#include "storage/state_space_file.h"
+#include "table.h"
+
+namespace palpate {
+namespace {
+
+using benchmarks::Figure;
+using benchmarks::seconds;
+
+/// A pad that lies on a bed and is held at one of its sides, with a tool that is bonded to it.
+struct Bed {
+  Scene scene;
+  std::vector<Index> tool;
+};
+
+Bed make_bed(int divisions) {
+  test::TwoBlocksOptions options;
+  options.lower_size = Vec3(0.06, 0.06, 0.02);
+  options.upper_size = Vec3(0.05, 0.05, 0.02);
+  options.lower_cells = {divisions, divisions, 2};
+  options.upper_cells = {divisions + 1, divisions + 1, 2};
+  options.upper_at = Vec3(0.005, 0.005, 0);
+  Bed bed{test::make_two_blocks(options), {}};
+  const std::vector<char> is_upper = test::points_of_upper(bed.scene);
+  const Vec3 middle(0.03, 0.03, 0.04);
+  for (std::size_t p = 0; p < is_upper.size(); ++p) {
+    if (is_upper[p] == 0) continue;
+    const Vec3& x = bed.scene.body.mesh.points[p];
+    bed.scene.body.fixed[p] = x.x() < 0.005 + 1e-9 ? 1 : 0;
+    if (x.z() > 0.04 - 1e-9 && (x - middle).norm() < 0.008)
+      bed.tool.push_back(static_cast<Index>(p));
+  }
+  return bed;
+}
+
+std::vector<Vec3> random_walk(int steps, unsigned seed) {
+  test::Random random(seed);
+  std::vector<Vec3> places{Vec3(0, 0, -0.001)};
+  while (static_cast<int>(places.size()) < steps) {
+    const Vec3 by = random.uniform(0.002, 0.004) * Vec3(random.vector(3, 1)).normalized();
+    Vec3 to = places.back() + by;
+    if (to.z() < -0.01 || to.z() > -0.001 || std::abs(to.x()) > 0.006 || std::abs(to.y()) > 0.006)
+      continue;
+    places.push_back(to);
+  }
+  return places;
+}
+
+struct Walk {
+  double seconds = 0;
+  Work work;
+  int converged = 0;
+  int iterations = 0;
+  int steps = 0;
+};
+
+Walk walk(const Bed& bed, TouchingParts touching, const std::vector<Vec3>& places) {
+  Scene scene = bed.scene;
+  scene.organ.touching = touching;
+  EquilibriumOptions options;
+  options.third_derivatives = true;
+  options.single_precision = true;
+  options.kept_factors = 3;
+  EquilibriumSolver solver(scene, options);
+  solver.set_interaction(test::bond_as_one(bed.tool));
+  Walk result;
+  Equilibrium state = solver.rest();
+  state = solver.solve(places.front(), state);
+  const Work before = solver.work();
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    Equilibrium next;
+    result.seconds += seconds([&] { next = solver.solve(places[i], state); });
+    if (next.outcome == Outcome::converged)
+      ++result.converged;
+    else
+      std::printf("%s\n", next.summary.message.c_str());
+    result.iterations += next.summary.iterations;
+    result.steps += next.summary.steps;
+    if (next.outcome == Outcome::converged) state = next;
+  }
+  result.work = solver.work();
+  result.work.residuals -= before.residuals;
+  result.work.assemblies -= before.assemblies;
+  result.work.analyses -= before.analyses;
+  result.work.factorisations -= before.factorisations;
+  result.work.right_hand_sides -= before.right_hand_sides;
+  result.work.residual_seconds -= before.residual_seconds;
+  result.work.assembly_seconds -= before.assembly_seconds;
+  result.work.analysis_seconds -= before.analysis_seconds;
+  result.work.factorisation_seconds -= before.factorisation_seconds;
+  result.work.solve_seconds -= before.solve_seconds;
+  return result;
+}
+
+void print(const char* name, const Walk& w, double n) {
+  std::printf(
+      "| %s | %.1f | %.0f | %.2f | %.2f | %.2f | %.1f | %.1f | %.2f | %.1f | %.1f | %.1f | %.1f | "
+      "%.1f |\n",
+      name, 1e3 * w.seconds / n, 100 * w.converged / n, w.steps / n, w.work.factorisations / n,
+      w.work.analyses / n, w.iterations / n, w.work.residuals / n, w.work.assemblies / n,
+      1e3 * w.work.residual_seconds / n, 1e3 * w.work.assembly_seconds / n,
+      1e3 * w.work.analysis_seconds / n, 1e3 * w.work.factorisation_seconds / n,
+      1e3 * w.work.solve_seconds / n);
+}
+
+Bed read_bed(const Arguments& arguments) {
+  Bed bed{StateSpaceFile::open_read_only(arguments.scene).read_scene(), {}};
+  const auto& points = bed.scene.body.mesh.points;
+  const Vec3& middle = points[static_cast<std::size_t>(arguments["node"])];
+  const std::vector<char> outside = boundary_points(bed.scene.body.mesh);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    if (outside[p] != 0 && (points[p] - middle).norm() < arguments["tip"])
+      bed.tool.push_back(static_cast<Index>(p));
+  }
+  return bed;
+}
+
+void print_hertz(const char* what, const test::TwoHalfSpacesOptions& options) {
+  test::TwoHalfSpacesResult r;
+  const double time = seconds([&] { r = test::press_half_spaces(options); });
+  std::printf("| %s | %d, %d | %g | %g | %.2f | %+.2f | %.2f | %+.1f | %d | %.0f |\n", what,
+              options.lower_edges, options.upper_edges, options.thickness, options.stiffness,
+              r.radius / options.radius, 100 * (r.stiffness / r.hertz_stiffness - 1), r.force,
+              100 * r.layer_force / r.force, r.num_unknowns, time);
+  std::fflush(stdout);
+}
+
+void run_hertz(const Arguments& arguments) {
+  std::puts(
+      "| bodies | edges in a | layer, edges | κ/E | a/R | k at equal force, % | force, N | of the "
+      "layer, % | unknowns | s |\n"
+      "|---|---|---|---|---|---|---|---|---|---|");
+  test::TwoHalfSpacesOptions options;
+  options.extent = arguments["extent"];
+  for (const double thickness : {0.2, 0.1, 0.05}) {
+    options.thickness = thickness;
+    print_hertz("two spheres", options);
+  }
+  options.thickness = 0.2;
+  options.of_upper = 1;
+  print_hertz("sphere on block", options);
+  options.stiffer = 4;
+  print_hertz("the same, four times as stiff", options);
+  options.of_upper = 0.5;
+  print_hertz("two spheres, one four times as stiff", options);
+  options.stiffer = 1;
+  options.upper_edges = 5;
+  print_hertz("two spheres, other meshes", options);
+  options.upper_edges = 4;
+  const double pair = test::press_half_spaces(options).force;
+  options.thickness /= 2;
+  options.approach /= 2;
+  options.radius *= 2;
+  options.is_lower_rigid = true;
+  const double alone = test::press_half_spaces(options).force;
+  std::printf(
+      "The pair's force over that of one sphere on a rigid plane at half the approach, "
+      "with a layer of half the thickness: %.4f\n",
+      pair / alone);
+}
+
+void run(const Arguments& arguments) {
+  if (arguments.scene == "hertz") return run_hertz(arguments);
+  const Bed bed = arguments.scene == "walk" ? make_bed(static_cast<int>(arguments["divisions"]))
+                                            : read_bed(arguments);
+  std::printf("unknowns %d tool %zu\n", 3 * bed.scene.body.mesh.num_points(), bed.tool.size());
+  const auto places = random_walk(static_cast<int>(arguments["presses"]) + 1,
+                                  static_cast<unsigned>(arguments["seed"]));
+  const double n = arguments["presses"];
+  std::printf(
+      "| parts | ms | converged | steps | factorisations | analyses | iterations | residuals | "
+      "assemblies | residual ms | assembly ms | analysis ms | factorisation ms | solve ms |\n");
+  print("apart", walk(bed, TouchingParts::none, places), n);
+  print("touching", walk(bed, TouchingParts::others, places), n);
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  try {
+    palpate::run(palpate::Arguments(argc, argv,
+                                    {{"presses", 60},
+                                     {"seed", 1},
+                                     {"divisions", 6},
+                                     {"extent", 64},
+                                     {"node", 0},
+                                     {"tip", 0.012}}));
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "%s\n", problem.what());
+    return 1;
+  }
+  return 0;
+}
