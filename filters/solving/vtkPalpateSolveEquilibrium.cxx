@@ -145,9 +145,8 @@ int vtkPalpateSolveEquilibrium::RequestData(
       scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
       route = this->MakeRoute(scene, surface);
       // Loads act before a tool holds anything.
-      palpate::PieceSupport(scene.body.mesh, palpate::holding_points(scene.body))
-        .require_held(
-          scene.has_load() ? std::vector<palpate::Index>() : palpate::held_points(*route.Tool));
+      palpate::PieceSupport(scene).require_held(
+        scene.has_load() ? std::vector<palpate::Index>() : palpate::held_points(*route.Tool));
       return scene;
     };
     const auto solve = [&](vtkUnstructuredGrid* body,

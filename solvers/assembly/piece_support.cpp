@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "assembly/supports.h"
 #include "base/error.h"
 
 namespace palpate {
@@ -60,6 +61,17 @@ PieceSupport::PieceSupport(const TetMesh& mesh, const std::vector<char>& fixed) 
   }
 }
 
+PieceSupport::PieceSupport(const Scene& scene)
+    : PieceSupport(scene.body.mesh, holding_points(scene.body)) {
+  parts_touch_ = scene.organ.touching != TouchingParts::none;
+  if (!parts_touch_ || weak_.empty()) return;
+  part_of_weak_.resize(weak_.size());
+  for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+    const Index weak = weak_of_point_[scene.body.mesh.cell(c)[0]];
+    if (weak >= 0) part_of_weak_[weak] = scene.body.part_of(c);
+  }
+}
+
 std::vector<std::vector<Vec3>> PieceSupport::held_places(
     const std::vector<Index>& held_by_tools) const {
   std::vector<std::vector<Vec3>> places;
@@ -72,21 +84,33 @@ std::vector<std::vector<Vec3>> PieceSupport::held_places(
 
 std::optional<std::string> PieceSupport::find_loose_pieces(
     const std::vector<std::vector<Vec3>>& held) const {
-  std::vector<Piece> loose;
+  std::vector<std::size_t> loose;
   for (std::size_t i = 0; i < weak_.size(); ++i) {
-    if (held[i].empty()) loose.push_back(weak_[i].piece);
+    if (held[i].empty()) loose.push_back(i);
   }
   if (loose.empty()) return std::nullopt;
-  std::stable_sort(loose.begin(), loose.end(),
-                   [](const Piece& a, const Piece& b) { return a.volume > b.volume; });
+  std::stable_sort(loose.begin(), loose.end(), [&](std::size_t a, std::size_t b) {
+    return weak_[a].piece.volume > weak_[b].piece.volume;
+  });
   const bool one = loose.size() == 1;
   std::ostringstream text;
   text << "The body has " << num_pieces_ << " pieces that share no point, and "
        << (one ? "one of them is" : std::to_string(loose.size()) + " of them are") << " not held: ";
   const std::size_t described = std::min(loose.size(), kMostDescribed);
-  for (std::size_t i = 0; i < described; ++i) text << (i > 0 ? "; " : "") << describe(loose[i]);
+  for (std::size_t i = 0; i < described; ++i) {
+    text << (i > 0 ? "; " : "") << describe(weak_[loose[i]].piece);
+    if (parts_touch_) text << ", of part " << part_of_weak_[loose[i]] << " (ContactPart)";
+  }
   if (described < loose.size()) text << "; and " << loose.size() - described << " smaller";
   const char* it = one ? "it" : "them";
+  if (parts_touch_) {
+    text << ". Contact alone holds nothing: draw " << it << " to where "
+         << (one ? "it lies" : "they lie")
+         << " with Springs as Support of Set Boundary, such as 1e3 N/m³ for ligaments or a bed, or "
+            "fix some of "
+         << it << '.';
+    return text.str();
+  }
   text << ". Hold " << it << " with Set Boundary, remove " << it
        << " (with the filters Connectivity and Threshold, or SmallestIsland of Tetrahedralize "
           "Label Map), or join what touches with Merge of Set Boundary.";

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "assembly/scene.h"
 #include "mesh/pieces.h"
 
 namespace palpate {
@@ -17,6 +18,10 @@ class PieceSupport {
   /// @param mesh A mesh that check_and_orient() accepts.
   /// @param fixed As in Scene.
   PieceSupport(const TetMesh& mesh, const std::vector<char>& fixed);
+  /// The support of a body by what it is fixed at and its other supports. Parts that touch each
+  /// other do not hold each other.
+  /// @param scene A scene that check() accepts.
+  explicit PieceSupport(const Scene& scene);
 
   /// @param held_by_tools Points that tools hold, besides the fixed ones.
   /// @throws InputError no point of a piece is held. The message says how large it is, where, and
@@ -49,6 +54,9 @@ class PieceSupport {
   /// The index in weak_ of the piece of each point, else −1 [num_points].
   std::vector<Index> weak_of_point_;
   std::vector<Vec3> points_;
+  /// Whether parts touch each other, and then the part that each piece of weak_ belongs to.
+  bool parts_touch_ = false;
+  std::vector<Index> part_of_weak_;
 };
 
 /// Describes a part of the body that can turn, since it shares only points on a line with the rest;

@@ -209,8 +209,7 @@ class DynamicSolver::Impl {
   void require_held() const {
     const bool has_load = scene_.has_load() || !options_.gravity.isZero(0);
     const bool settles = options_.settled && has_load;
-    PieceSupport(scene_.body.mesh, system_.holding_points())
-        .require_held(settles ? std::vector<Index>() : held_points(all_tools_));
+    PieceSupport(scene_).require_held(settles ? std::vector<Index>() : held_points(all_tools_));
   }
 
   /// Whether a tool could pass through the body in a step.

@@ -119,7 +119,7 @@ class EquilibriumSolver::Impl {
         system_(scene, std::move(solver), options_.kept_factors,
                 options_.single_precision ? Precision::single_if_safe : Precision::full,
                 with_contact(contact_.get(), terms)),
-        support_(scene.body.mesh, system_.holding_points()),
+        support_(scene),
         rest_(NodalVector::Zero(system_.assembly().state_size())) {
     settled_.outcome = Outcome::converged;
     if (scene.has_load() || !scene.body.support_stiffness.empty() || contact_ != nullptr ||

@@ -104,7 +104,7 @@ void throw_nothing_to_press() {
 ToolSpaceSetup plan_tool(const SpaceBody& of, const PrecomputeOptions& options,
                          InteractionFactory& tools, const std::optional<MeshRegion>& region) {
   const Body& body = of.scene->body;
-  PieceSupport(body.mesh, holding_points(body)).require_held({});
+  PieceSupport(*of.scene).require_held({});
   const ContactOptions& contact = *options.contact;
   if (contact.tool.shape < ToolShape::sphere || contact.tool.shape > ToolShape::surface) {
     throw InputError("A state space cannot hold " + name_of(contact.tool) +

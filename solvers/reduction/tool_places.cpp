@@ -247,7 +247,7 @@ class PlacedTools::Impl {
         stiffness_(assembly_, trained.rest, springs_ ? &*springs_ : nullptr) {
     rest_state_.setZero(assembly_.state_size());
     if (trained.rest.size() > 0) rest_state_.head(trained.rest.size()) = trained.rest;
-    PieceSupport(scene.body.mesh, holding_points(scene.body)).require_held({});
+    PieceSupport(scene).require_held({});
     std::vector<double> values;
     (void)assembly_.tangent(rest_state_, rest_force_, values);
     if (springs_) springs_->add_to(1, values);

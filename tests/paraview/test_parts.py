@@ -87,6 +87,16 @@ def test_what_is_refused():
                                     PartArray="nobody")), "nobody", "PartsBy")
 
 
+def test_contact_alone_holds_nothing():
+    body = SetBoundary(Input=parts("loose_part"), FixedRegion="Plane", Contact="Between Parts")
+    body.FixedRegion.Origin = [0, 0, 1e-6]
+    body.FixedRegion.Normal = [0, 0, 1]
+    for solve in (lambda: fetch(press(body, 0.008)),
+                  lambda: SolveDynamics(Input=body, EndTime=0.02,
+                                        BodyForce=[0, 0, -9.81]).UpdatePipeline()):
+        expect_error(solve, "part 1", "ContactPart", "Springs", "Contact alone")
+
+
 def test_motion():
     boundary = held(parts("motion"), Contact="Between Parts")
     motion = SolveDynamics(Input=boundary, BodyForce=[0, 0, -9.81], EndTime=0.02, TimeStep=0.005)
