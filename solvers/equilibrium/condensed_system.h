@@ -103,6 +103,8 @@ class CondensedSystem {
   /// The assembly, to change the materials: see Assembly::scale_energy(). Call set_terms()
   /// afterwards.
   [[nodiscard]] Assembly& assembly() { return assembly_; }
+  /// The mean of the diagonal of the tangent of the undeformed body, N/m.
+  [[nodiscard]] double mean_stiffness() const { return mean_diagonal_; }
   /// The pattern of the tangents.
   [[nodiscard]] const SymmetricPattern& pattern() const { return pattern_.whole(); }
   /// The tool. Call set_interaction() before.

@@ -74,8 +74,7 @@ bool is_mobile(Outcome outcome, const Equilibrium& from) {
 }
 
 /// Whether two equilibria can lie on one smooth path, by their energies, reactions and stiffnesses.
-/// @param rest_energy The energy of the body at rest, J; its rounding is part of each energy.
-bool agree(const Equilibrium& from, const Equilibrium& to, double rest_energy) {
+bool agree(const CondensedSystem& system, const Equilibrium& from, const Equilibrium& to) {
   // The tool has touched nothing, and now touches the body. There is one branch, which begins
   // there.
   if (from.stiffness.isZero(0) && from.reaction.isZero(0)) return true;
@@ -86,7 +85,8 @@ bool agree(const Equilibrium& from, const Equilibrium& to, double rest_energy) {
   const double allowed =
       kEnergyGap * std::max(std::abs(change), std::abs(expected)) +
       kWorkGap * 0.5 * std::abs(d.dot(to.reaction - from.reaction)) +
-      kEnergyRounding * (std::abs(from.energy) + std::abs(to.energy) + rest_energy);
+      kEnergyRounding * (std::abs(from.energy) + std::abs(to.energy) + system.energies_at_rest() +
+                         system.mean_stiffness() * d.squaredNorm());
   return std::abs(change - expected) <= allowed;
 }
 
@@ -560,7 +560,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
       continue;
     }
     if (is_mobile(outcome, progress.state)) break;
-    if (outcome == Outcome::converged && agree(progress.state, next, system_.energies_at_rest())) {
+    if (outcome == Outcome::converged && agree(system_, progress.state, next)) {
       advance(stride, way, std::move(next), progress);
       stride *= 2;
       failures = 0;

@@ -78,7 +78,7 @@ std::vector<PlannedSpace> plan_grids(const SpaceBody& of, const PrecomputeOption
   check_resolved(body.mesh, "The half-width (HalfWidth)", options.half_width);
   const BondedPatches patches(body, options.tip_radius);
   std::vector<PlannedSpace> spaces;
-  const PieceSupport support(body.mesh, holding_points(body));
+  const PieceSupport support(*of.scene);
   for (const Index node : nodes) {
     support.require_held(patches.around(node).points());
     ToolSpaceSetup setup;

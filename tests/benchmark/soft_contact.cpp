@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "arguments.h"
+#include "base/error.h"
+#include "dynamics/dynamic_solver.h"
 #include "equilibrium/equilibrium.h"
 #include "interaction/bonded_patch.h"
 #include "interaction/interaction_list.h"
@@ -182,7 +184,167 @@ void run_hertz(const Arguments& arguments) {
       pair / alone);
 }
 
+/// A round pad over a flat bed that is large beside it; the tool holds the pad's upper side.
+Bed make_round_pad(double youngs_modulus) {
+  test::TwoBlocksOptions options;
+  options.lower_size = Vec3(0.05, 0.04, 0.02);
+  options.lower_cells = {5, 4, 2};
+  options.upper_size = Vec3(0.016, 0.016, 0.012);
+  options.upper_cells = {4, 4, 3};
+  options.upper_at = Vec3(0.014, 0.012, 0.002);
+  options.upper_youngs_modulus = youngs_modulus;
+  Bed bed{test::make_two_blocks(options), {}};
+  const std::vector<char> is_upper = test::points_of_upper(bed.scene);
+  test::bend_to_dome(bed.scene, options, 0.01);
+  for (std::size_t p = 0; p < is_upper.size(); ++p) {
+    if (is_upper[p] == 0 || bed.scene.body.fixed[p] == 0) continue;
+    bed.tool.push_back(static_cast<Index>(p));
+    bed.scene.body.fixed[p] = 0;
+  }
+  return bed;
+}
+
+double deepest_of(const SoftContact& contact, const NodalVector& u) {
+  double deepest = 0;
+  for (const auto& at : contact.points_in_reach(u)) deepest = std::max(deepest, -at.gap);
+  return deepest;
+}
+
+void run_presses(const Arguments& arguments) {
+  const int presses = static_cast<int>(arguments["presses"]);
+  std::puts(
+      "| E of the pad, kPa | presses | converged | named | in contact | deepest, of the reach | "
+      "factorisations | iterations | ms | longest, s |\n|---|---|---|---|---|---|---|---|---|---|");
+  for (const double times : {1.0, 4.0}) {
+    const Bed bed = make_round_pad(5000 * times);
+    const SoftContact contact(bed.scene);
+    EquilibriumOptions options;
+    options.third_derivatives = true;
+    options.kept_factors = 3;
+    options.max_seconds = 60;
+    EquilibriumSolver solver(bed.scene, options);
+    solver.set_interaction(test::bond_as_one(bed.tool));
+    test::Random random(static_cast<unsigned>(arguments["seed"]));
+    std::vector<Equilibrium> states{solver.rest()};
+    int converged = 0, named = 0, touching = 0;
+    double deepest = 0, sum = 0, longest = 0;
+    long iterations = 0;
+    const long before = solver.work().factorisations;
+    for (int i = 0; i < presses; ++i) {
+      // From one of the last states, so that the paths branch.
+      const std::size_t last = states.size() - 1;
+      const std::size_t back =
+          std::min<std::size_t>(last, static_cast<std::size_t>(random.uniform(0, 5)));
+      const Equilibrium from = states[last - back];
+      Vec3 to =
+          Vec3(from.t) + random.uniform(0.002, 0.004) * Vec3(random.vector(3, 1)).normalized();
+      to.z() = std::clamp(to.z(), -0.007, 0.001);
+      to.x() = std::clamp(to.x(), -0.006, 0.012);
+      to.y() = std::clamp(to.y(), -0.006, 0.006);
+      Equilibrium state;
+      const double time = seconds([&] { state = solver.solve(to, from); });
+      sum += time;
+      longest = std::max(longest, time);
+      iterations += state.summary.iterations;
+      if (state.outcome != Outcome::converged) {
+        if (!state.summary.message.empty()) ++named;
+        std::printf("(%g %g %g) from (%g %g %g): %s\n", to.x(), to.y(), to.z(), from.t[0],
+                    from.t[1], from.t[2], state.summary.message.c_str());
+        continue;
+      }
+      if (!state.u.allFinite() || !state.reaction.allFinite()) throw InputError("not finite");
+      ++converged;
+      const double depth = deepest_of(contact, state.u);
+      if (!state.reaction.isZero(1e-9)) ++touching;
+      deepest = std::max(deepest, depth);
+      states.push_back(std::move(state));
+      if (states.size() > 50) states.erase(states.begin() + 1, states.begin() + 20);
+    }
+    const double n = presses;
+    std::printf("| %g | %d | %d | %d | %d | %.2f | %.2f | %.1f | %.0f | %.1f |\n", 5 * times,
+                presses, converged, named, touching, deepest / contact.reach(),
+                static_cast<double>(solver.work().factorisations - before) / n,
+                static_cast<double>(iterations) / n, 1e3 * sum / n, longest);
+    std::fflush(stdout);
+  }
+}
+
+/// The pad is thrown at the bed: the tool moves it, and lets it go before they meet.
+void run_impacts(const Arguments& arguments) {
+  const int impacts = static_cast<int>(arguments["presses"]);
+  std::puts(
+      "| method | impacts | to the end | named | touched | fastest, m/s | deepest, of the reach | "
+      "made after the release, % of the largest energy | lost to the method, % | s an impact "
+      "|\n|---|---|---|---|---|---|---|---|---|---|");
+  const Bed bed = make_round_pad(5000);
+  const SoftContact contact(bed.scene);
+  test::Random random(static_cast<unsigned>(arguments["seed"]));
+  for (const TimeIntegrator integrator :
+       {TimeIntegrator::bdf2, TimeIntegrator::generalised_alpha}) {
+    int ended = 0, named = 0, touched = 0;
+    double deepest = 0, made = 0, lost = 0, fastest = 0, sum = 0;
+    for (int i = 0; i < impacts; ++i) {
+      Rheology rheology;
+      rheology.density = 1000;
+      rheology.viscous_time = random.uniform(0, 1) < 0.5 ? 0 : 0.002;
+      DynamicsOptions options;
+      options.integrator = integrator;
+      options.time_step = 0.001;
+      options.settled = false;
+      options.equilibrium.max_seconds = 120;
+      DynamicSolver solver(bed.scene, {rheology, rheology}, test::bond_as_one(bed.tool), options);
+      const double speed = random.uniform(0.1, 1);
+      Vec3 way = Vec3(random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7), -1).normalized();
+      // It is let go when the pad has come down by at most 1.5 mm.
+      const double duration = 0.0015 / speed;
+      Eigen::MatrixXd places(3, 3);
+      places << Vec3::Zero(), 0.25 * speed * duration * way, speed * duration * way;
+      ToolPath path({0, 0.5 * duration, duration}, places);
+      path.let_go(0, duration);
+      fastest = std::max(fastest, speed);
+      double largest = 0, most = 0, last = 0, at_release = 0;
+      bool touches = false;
+      DynamicState end;
+      sum += seconds([&] {
+        end = solver.run(path, 0.06, [&](const DynamicState& state) {
+          const EnergyAccount& e = state.energy;
+          const double total =
+              e.kinetic + e.elastic + e.weight + e.viscous_stored + e.dissipated - e.work;
+          largest = std::max(largest, e.kinetic + e.elastic);
+          // Before, what the tool does is summed over steps that are long beside its motion.
+          if (state.motion.time <= duration * (1 + 1e-9)) at_release = total;
+          most = std::max(most, total - at_release);
+          last = total;
+          const double depth = deepest_of(contact, state.motion.u);
+          deepest = std::max(deepest, depth);
+          NodalVector force = NodalVector::Zero(state.motion.u.size());
+          touches = touches || contact.add(state.motion.u, force, nullptr) > 0;
+          if (!std::isfinite(total) || !state.motion.u.allFinite()) throw InputError("not finite");
+          return true;
+        });
+      });
+      if (end.outcome == Outcome::converged) {
+        ++ended;
+        made = std::max(made, most / largest);
+        lost += (at_release - last) / largest / impacts;
+      } else {
+        if (!end.message.empty()) ++named;
+        std::printf("%g m/s (%g %g %g): %s\n", speed, way.x(), way.y(), way.z(),
+                    end.message.c_str());
+      }
+      if (touches) ++touched;
+    }
+    std::printf("| %s | %d | %d | %d | %d | %.2f | %.2f | %.2g | %.1f | %.1f |\n",
+                integrator == TimeIntegrator::bdf2 ? "BDF2" : "generalised α", impacts, ended,
+                named, touched, fastest, deepest / contact.reach(), 100 * made, 100 * lost,
+                sum / impacts);
+    std::fflush(stdout);
+  }
+}
+
 void run(const Arguments& arguments) {
+  if (arguments.scene == "impacts") return run_impacts(arguments);
+  if (arguments.scene == "presses") return run_presses(arguments);
   if (arguments.scene == "hertz") return run_hertz(arguments);
   const Bed bed = arguments.scene == "walk" ? make_bed(static_cast<int>(arguments["divisions"]))
                                             : read_bed(arguments);

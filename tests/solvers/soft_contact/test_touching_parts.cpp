@@ -20,20 +20,6 @@
 namespace palpate::test::test_touching_parts {
 namespace {
 
-/// Bends the surface of the upper part that faces the lower one to a paraboloid of this radius.
-void make_dome(Scene& scene, const TwoBlocksOptions& options, double radius) {
-  const std::vector<char> is_upper = points_of_upper(scene);
-  const double bottom = options.lower_size.z() + options.upper_at.z();
-  const Vec3 middle = options.upper_at + 0.5 * options.upper_size;
-  for (std::size_t p = 0; p < is_upper.size(); ++p) {
-    if (is_upper[p] == 0) continue;
-    Vec3& x = scene.body.mesh.points[p];
-    const double share = 1 - (x.z() - bottom) / options.upper_size.z();
-    const double r = std::hypot(x.x() - middle.x(), x.y() - middle.y());
-    x.z() += share * r * r / (2 * radius);
-  }
-}
-
 /// A solver that holds the upper part at its top, which is moved as a whole.
 class Pressed {
  public:
@@ -132,7 +118,7 @@ Pressed dome_over_block() {
   options.upper_cells = {4, 4, 3};
   options.upper_at = Vec3(0.014, 0.012, 0.002);
   Scene scene = make_two_blocks(options);
-  make_dome(scene, options, 0.01);
+  bend_to_dome(scene, options, 0.01);
   return Pressed(std::move(scene));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solvers/support/two_blocks.h"
 
+#include <cmath>
 #include <utility>
 
 #include "solvers/support/block.h"
@@ -34,6 +35,19 @@ Scene make_two_blocks(const TwoBlocksOptions& options) {
   scene.organ.touching = TouchingParts::others;
   scene.organ.contact = {options.thickness, options.stiffness * options.youngs_modulus, 0};
   return scene;
+}
+
+void bend_to_dome(Scene& scene, const TwoBlocksOptions& options, double radius) {
+  const std::vector<char> is_upper = points_of_upper(scene);
+  const double bottom = options.lower_size.z() + options.upper_at.z();
+  const Vec3 middle = options.upper_at + 0.5 * options.upper_size;
+  for (std::size_t p = 0; p < is_upper.size(); ++p) {
+    if (is_upper[p] == 0) continue;
+    Vec3& x = scene.body.mesh.points[p];
+    const double share = 1 - (x.z() - bottom) / options.upper_size.z();
+    const double r = std::hypot(x.x() - middle.x(), x.y() - middle.y());
+    x.z() += share * r * r / (2 * radius);
+  }
 }
 
 std::vector<char> points_of_upper(const Scene& scene) {

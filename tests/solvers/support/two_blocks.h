@@ -31,6 +31,9 @@ struct TwoBlocksOptions {
 /// at x = y = 0 and z = 0 but for upper_at; the upper one is above the lower one.
 [[nodiscard]] Scene make_two_blocks(const TwoBlocksOptions& options = {});
 
+/// Bends the surface of the upper part that faces the lower one to a paraboloid of this radius, m.
+void bend_to_dome(Scene& scene, const TwoBlocksOptions& options, double radius);
+
 /// 1 for each point of part 1 [num_points].
 [[nodiscard]] std::vector<char> points_of_upper(const Scene& scene);
 
