@@ -144,7 +144,7 @@ class DynamicSolver::Impl {
     DynamicState state =
         begin(path.at(0), clear.size() > 0 ? clear : Eigen::VectorXd::Zero(path.num_coordinates()));
     if (state.outcome != Outcome::converged || !take(state)) return state;
-    RunNotes notes;
+    RunNotes notes(contact_ != nullptr);
     notes.add(state);
     const double longest = std::min(options_.time_step, until);
     double next = longest;

@@ -14,12 +14,14 @@
 #include "interaction/interaction_list.h"
 #include "interaction/rigid_tool.h"
 #include "solvers/support/block.h"
+#include "solvers/support/bodies.h"
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/far_springs.h"
 #include "solvers/support/laws.h"
 #include "solvers/support/message_of.h"
 #include "solvers/support/sectors.h"
 #include "solvers/support/tangent.h"
+#include "solvers/support/two_blocks.h"
 
 namespace palpate::test::test_dynamic_solver {
 namespace {
@@ -1008,6 +1010,71 @@ TEST(DynamicSolver, HalfOfASymmetricBodyMovesAsTheWhole) {
     EXPECT_NEAR(2 * of_half.energy.weight, of_whole.energy.weight,
                 1e-8 * std::abs(of_whole.energy.weight));
   }
+}
+
+/// A dome that is thrown at a flat bed: a tool moves it by 1.5 mm, and lets it go above the bed
+/// after this time, s.
+DynamicState throw_at_bed(TimeIntegrator integrator, double duration,
+                          const DynamicSolver::TakeState& take) {
+  TwoBlocksOptions blocks;
+  blocks.lower_size = Vec3(0.04, 0.04, 0.01);
+  blocks.lower_cells = {4, 4, 1};
+  blocks.upper_size = Vec3(0.016, 0.016, 0.012);
+  blocks.upper_cells = {3, 3, 2};
+  blocks.upper_at = Vec3(0.012, 0.012, 0.002);
+  Scene scene = make_two_blocks(blocks);
+  bend_to_dome(scene, blocks, 0.01);
+  const std::vector<char> is_upper = points_of_upper(scene);
+  std::vector<Index> held;
+  for (std::size_t p = 0; p < is_upper.size(); ++p) {
+    if (is_upper[p] == 0 || scene.body.fixed[p] == 0) continue;
+    held.push_back(static_cast<Index>(p));
+    scene.body.fixed[p] = 0;
+  }
+  DynamicsOptions options;
+  options.integrator = integrator;
+  options.settled = false;
+  DynamicSolver solver(scene, {dense_rheology(), dense_rheology()}, bond_as_one(held), options);
+  ToolPath path = path_along(Vec3(0.2, 0, -1), duration, 4,
+                             [&](double time) { return 0.0015 * std::pow(time / duration, 2); });
+  path.let_go(0, duration);
+  return solver.run(path, 0.03, take);
+}
+
+TEST(PartsThatHitEachOther, BounceWithoutGainingEnergy) {
+  constexpr double kDuration = 0.003;
+  double at_release = 0;
+  double largest = 0;
+  double made = 0;
+  bool rises = false;
+  double lowest = 0;
+  const DynamicState end =
+      throw_at_bed(TimeIntegrator::bdf2, kDuration, [&](const DynamicState& state) {
+        const EnergyAccount& energy = state.energy;
+        const double balance = energy.kinetic + energy.elastic - energy.work;
+        largest = std::max(largest, energy.kinetic + energy.elastic);
+        if (state.motion.time <= kDuration * (1 + 1e-9)) at_release = balance;
+        made = std::max(made, balance - at_release);
+        double height = 1;
+        for (Eigen::Index i = 2; i < state.motion.u.size(); i += 3) {
+          height = std::min(height, state.motion.u[i]);
+        }
+        lowest = std::min(lowest, height);
+        rises = rises || height > 0.5 * lowest;
+        return true;
+      });
+  EXPECT_EQ(end.outcome, Outcome::converged) << end.message;
+  EXPECT_LT(lowest, -0.002);
+  EXPECT_TRUE(rises);
+  EXPECT_LT(made, 1e-3 * largest);
+  EXPECT_TRUE(end.message.empty()) << end.message;
+}
+
+TEST(PartsThatHitEachOther, AreToldWhereTheMethodMakesEnergy) {
+  const DynamicState end = throw_at_bed(TimeIntegrator::generalised_alpha, 0.0015,
+                                        [](const DynamicState&) { return true; });
+  EXPECT_NE(end.message.find("The motion has made"), std::string::npos) << end.message;
+  EXPECT_NE(end.message.find("Choose BDF2 as Integrator"), std::string::npos);
 }
 
 }  // namespace
