@@ -6,8 +6,8 @@ behind it; beside this, the same liver without its neighbours.
 
 Sample runs, with the plugin loaded (PV_PLUGIN_PATH) and a display (or xvfb-run -a before them):
     pvbatch bed.py
-    pvbatch bed.py --edge 0.015 --depths 0.01 0.02
-    pvbatch bed.py --young 3000 30000 8000
+    pvbatch bed.py --edge 0.016 --depths 0.005 0.02
+    pvbatch bed.py --young 3000 30000 8000 --thickness 0.00225
 
 The results go to the folder `out`: table.md, table.csv, parts.csv, surface.vtp, pressed.vtu and
 pictures (.png).
@@ -23,18 +23,21 @@ from paraview.simple import *
 
 from bodies import corners_of, on_surface, places, save_body
 from charts import Curve, chart
-from pictures import INK, PALE, TISSUE, Stage
+from pictures import HAND, TISSUE, Stage
 from pipeline import Failure, field, output, save_surface, update
 from script import Arguments, run
 from surfaces import BED, BED_LOW, LIVER, STOMACH, make_surfaces
 from tables import markdown, save_csv, save_table, vtk_table
 
 NAMES = {LIVER: "liver", BED: "bed", STOMACH: "stomach"}
+YOUNG = [5e3, 15e3, 8e3]  # of liver, bed and stomach, Pa
 GRAVITY, DENSITY, POISSON = 9.81, 1060, 0.4  # m/s², kg/m³, no unit
+WEIGHT = [0, 0, -GRAVITY]  # m/s²
 # Where springs hold the liver and the stomach, as ligaments do: centre, radius, m.
-LIGAMENTS = ((-0.03, 0.075, 0.005), 0.038), ((0.11, -0.07, 0.0), 0.035)
+LIGAMENTS = ((-0.03, 0.075, 0.01), 0.038), ((0.11, -0.07, 0.0), 0.035)
 SPRINGS = 5e4  # N/m³
 CONVERGED = 0
+COLOURS = {LIVER: TISSUE, BED: (0.80, 0.80, 0.78), STOMACH: (0.93, 0.80, 0.55)}
 SLICED = 0.002  # how far beside the tool's middle a picture is cut, m
 
 
@@ -42,7 +45,7 @@ def arguments():
     parser = Arguments("bed.py", __doc__.splitlines()[0])
     parser.add_argument("--output", default="out", help="folder of the results")
     parser.add_argument("--edge", type=float, default=0.02, help="of the tetrahedra, m")
-    parser.add_argument("--young", type=float, nargs=3, default=[5e3, 15e3, 8e3],
+    parser.add_argument("--young", type=float, nargs=3, default=YOUNG,
                         metavar=tuple(name.upper() for name in NAMES.values()),
                         help="moduli, Pa")
     parser.add_argument("--tool-radius", type=float, default=0.012, help="of the sphere, m")
@@ -54,7 +57,7 @@ def arguments():
     return parser
 
 
-def make_scene(body, young, contact="Between Parts", thickness=0.0):
+def make_scene(body, young=YOUNG, contact="Between Parts", thickness=0.0):
     """The parts, each with its tissue, and how they are held: the bed at its bottom, the liver and
     the stomach by ligaments, and otherwise by what they touch."""
     material = AssignMaterial(
@@ -112,10 +115,6 @@ def solve(scene, **settings):
     return solved, seconds
 
 
-def weight(scale=1.0):
-    return {"BodyForce": [0, 0, -scale * GRAVITY]}
-
-
 def part_forces(data):
     return np.reshape(field(data, "PartForce"), (-1, 3))
 
@@ -136,8 +135,8 @@ def describe_parts(parts, lying, young):
 
 
 COLUMNS = {"depth (mm)": ".3g", "force (N)": ".3f", "of the layer (N)": ".3f",
-           "on the bed (N)": ".2f", "on the stomach (N)": ".2f", "penetration (mm)": ".2f",
-           "solve (s)": ".0f", "alone (N)": ".3f", "alone (s)": ".1f"}
+           "on the bed (N)": ".3f", "pressure (Pa)": ".0f", "solve (s)": ".0f",
+           "alone (N)": ".3f", "alone (s)": ".1f"}
 
 
 def press(scene, start, depth, args, **settings):
@@ -152,28 +151,54 @@ def measure(scene, alone, starts, lying, args):
     rows = []
     before = part_forces(lying)
     for depth in sorted(args.depths):
-        solved, seconds, place = press(scene, starts[0], depth, args, **weight())
+        solved, seconds, place = press(scene, starts[0], depth, args, BodyForce=WEIGHT)
         without, seconds_alone, _ = press(alone, starts[1], depth, args)
         data = output(solved)
-        more = part_forces(data) - before
         rows.append({"depth (mm)": 1e3 * depth, "force (N)": -field(data, "ReactionForce")[2],
                      "of the layer (N)": -field(data, "PartLayerForce")[2],
-                     "on the bed (N)": -more[BED, 2], "on the stomach (N)": -more[STOMACH, 2],
-                     "penetration (mm)": 1e3 * field(data, "PartPenetration")[0],
-                     "solve (s)": seconds, "alone (s)": seconds_alone,
+                     "on the bed (N)": before[BED, 2] - part_forces(data)[BED, 2],
+                     "pressure (Pa)": array(data, "PartPressure").max(), "solve (s)": seconds,
+                     "alone (s)": seconds_alone,
                      "alone (N)": -field(output(without), "ReactionForce")[2]})
         print(", ".join(f"{title} {rows[-1][title]:{form}}" for title, form in COLUMNS.items()),
               flush=True)
     return rows, solved, place
 
 
-def cut_open(source, place):
-    """The deformed body behind a plane across the patient, seen from the feet."""
-    if output(source).GetPointData().HasArray("Displacement"):
-        source = WarpByVector(Input=source, Vectors=["POINTS", "Displacement"])
+def deformed(source):
+    return WarpByVector(Input=source, Vectors=["POINTS", "Displacement"])
+
+
+def region_of(source, region):
+    part = Threshold(Input=source, Scalars=["CELLS", "Region"])
+    part.LowerThreshold = part.UpperThreshold = region
+    return update(part)
+
+
+def draw_cut(stage, source, place, radius, text, path):
+    """What is behind a plane across the patient, seen from the feet; radius: of the sphere."""
+    stage.clear()
     cut = Clip(Input=source, ClipType="Plane", Invert=0)
     cut.ClipType.Origin, cut.ClipType.Normal = [0, float(place[1]) - SLICED, 0], [0, 1, 0]
-    return update(cut)
+    for region, colour in COLOURS.items():
+        stage.show(region_of(cut, region), colour, Representation="Surface With Edges",
+                   EdgeColor=[0.75 * x for x in colour])
+    if radius:
+        stage.show(Sphere(Center=list(place), Radius=radius, ThetaResolution=48, PhiResolution=48),
+                   HAND)
+    stage.write(text)
+    stage.save(path)
+
+
+def draw_pressure(stage, source, largest, text, path):
+    """What presses the bed and the stomach, without the liver."""
+    stage.clear()
+    for region in (BED, STOMACH):
+        stage.colour(stage.show(region_of(source, region)), ("POINTS", "PartPressure"),
+                     "Pressure (Pa)", (0, largest))
+    GetScalarBar(GetColorTransferFunction("PartPressure"), stage.view).RangeLabelFormat = "%.0f"
+    stage.write(text)
+    stage.save(path)
 
 
 def draw(scene, lying, pressed, place, args):
@@ -183,27 +208,23 @@ def draw(scene, lying, pressed, place, args):
     stage = Stage(scene)
     view = stage.view
     view.CameraViewUp = [0, 0, 1]
-    view.CameraPosition = list(np.array(view.CameraFocalPoint) + [-0.25, -1.0, 0.55])
-    largest = array(output(pressed), "PartPressure").max()
-    for name, source, text in (("rest", scene, "At rest, before gravity"),
-                               ("lying", lying, "Under gravity"),
-                               ("pressed", pressed, f"Pressed by {1e3 * max(args.depths):.3g} mm")):
-        stage.clear()
-        cut = cut_open(source, place)
-        if name == "rest":
-            for region, colour in ((LIVER, TISSUE), (BED, PALE), (STOMACH, (0.90, 0.75, 0.55))):
-                part = Threshold(Input=cut, Scalars=["CELLS", "Region"], LowerThreshold=region,
-                                 UpperThreshold=region)
-                stage.show(part, colour, Representation="Surface With Edges",
-                           EdgeColor=[0.7 * x for x in colour])
-        else:
-            stage.colour(stage.show(cut), ("POINTS", "PartPressure"), "Pressure (Pa)",
-                         (0, largest))
-        if name == "pressed":
-            stage.show(Sphere(Center=list(place), Radius=args.tool_radius, ThetaResolution=48,
-                              PhiResolution=48), PALE)
-        stage.write(text)
-        stage.save(path(name))
+    view.CameraFocalPoint = [0.01, 0.0, -0.03]
+    view.CameraPosition = list(np.add(view.CameraFocalPoint, (-0.15, -1.0, 0.45)))
+    view.CameraParallelScale = 0.13
+    text = f"pressed by {1e3 * max(args.depths):.3g} mm"
+    lying, moved = deformed(lying), deformed(pressed)
+    draw_cut(stage, scene, place, None, "Before gravity", path("rest"))
+    draw_cut(stage, lying, place, None, "Under gravity", path("lying"))
+    draw_cut(stage, moved, place, args.tool_radius, text.capitalize(), path("pressed"))
+    # From the head, where the stomach faces the liver.
+    view.CameraFocalPoint = [-0.01, 0.0, -0.04]
+    view.CameraPosition = list(np.add(view.CameraFocalPoint, (0.15, 0.8, 0.8)))
+    view.CameraParallelScale = 0.155
+    largest = float(f"{array(output(pressed), 'PartPressure').max():.2g}")
+    draw_pressure(stage, lying, largest, "On the bed and the stomach, under gravity",
+                  path("pressure_lying"))
+    draw_pressure(stage, moved, largest, f"On the bed and the stomach, {text}",
+                  path("pressure_pressed"))
 
 
 def draw_chart(rows, path):
@@ -234,7 +255,7 @@ def main():
     grid = output(scene)
     parts = Parts(grid)
     node = parts.touched(grid, organ.place)
-    lying, seconds = solve(scene, **weight())
+    lying, seconds = solve(scene, BodyForce=WEIGHT)
     data = output(lying)
     part_rows = describe_parts(parts, data, args.young)
     save_csv(vtk_table(part_rows, PART_COLUMNS), os.path.join(args.output, "parts.csv"))

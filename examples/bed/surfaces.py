@@ -14,8 +14,9 @@ from remesh import arrays, poly_data, remesh, volume
 
 LIVER, BED, STOMACH = range(3)  # their numbers in the cell array Region
 TOUCHED = (-0.04, 0.03, 0.08)  # the point of the liver that is nearest to it, m
-# Between the parts at rest, in edges: straight edges in a hollow cut off less.
-GAP = 0.3
+# Between the parts at rest, times the square of an edge: more than such an edge cuts off a hollow.
+# 1/m
+GAP = 15
 EDGES_OF_BED = 1.2  # how much longer they are
 ROUND = 0.012  # radius of the bed's edges, m
 BED_LOW, BED_HIGH = np.array([[-0.13, -0.135, -0.115], [0.15, 0.105, -0.03]])  # corners, m
@@ -72,7 +73,7 @@ def contour(function, low, high, edge):
 def make_surfaces(edge, tip_radius):
     """The liver with shorter edges where a sphere of that radius touches it, and a vtkPolyData of
     all three with the cell array Region. Lengths: m."""
-    gap = GAP * edge
+    gap = GAP * edge ** 2
     organ = Organ(make_surface(), TOUCHED, tip_radius=tip_radius)
     of_stomach = HOLLOW[0] - HOLLOW[1], HOLLOW[0] + HOLLOW[1]
     surfaces = {LIVER: organ.refined(edge, min(1, 0.6 * tip_radius / edge)),

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Makes the states of the examples (.pvsm): pipelines to load in ParaView's window.
 
-They read liver/liver.vtp, roof/roof.vtu or nodule/surface.vtp, which are made too; that of the
-brain reads out/brain/labels.vti, which examples/brain/run has made before. Argument: the name of an
-example.
+They read liver/liver.vtp, roof/roof.vtu, nodule/surface.vtp or bed/surface.vtp, which are made
+too; that of the brain reads out/brain/labels.vti, which examples/brain/run has made before.
+Argument: the name of an example.
 
 Sample runs, in this folder, with the plugin loaded:
     xvfb-run -a pvpython make_states.py liver
     for example in liver accuracy discretisation tolerance stability cluster roof palpation \
-      online two_hands wobble nodule brain; do xvfb-run -a pvpython make_states.py $example; done
+      online two_hands wobble nodule bed brain; do xvfb-run -a pvpython make_states.py $example; \
+    done
 """
 import os
 import sys
@@ -17,19 +18,21 @@ from xml.etree import ElementTree
 EXAMPLES = os.path.dirname(sys.path[0])
 # Of the examples that have an organ.py, that of this state.
 OF_ORGAN = "brain" if sys.argv[1:] == ["brain"] else "nodule"
-sys.path += [os.path.join(EXAMPLES, folder) for folder in ("liver", "roof", OF_ORGAN)]
+sys.path += [os.path.join(EXAMPLES, folder) for folder in ("liver", "roof", "bed", OF_ORGAN)]
 
 import numpy as np
 import organ
 from paraview import servermanager
 from paraview.simple import *
 
+import bed
 from bodies import Organ
 from liver import choose_active_nodes, make_scene, parser, tetrahedralize, touches
 from make_surface import make_surface
 from pictures import HAND, HELD, PALE, Stage
 from pipeline import save_surface, update
 from roof import POISSON, TIP, YOUNG, make_roof, save_grid
+from surfaces import make_surfaces
 
 # A law with which no configuration turns inside out: none is marked.
 ARGS = parser().parse_args(["--resolution", "5", "--law", "Neo-Hookean"])
@@ -277,6 +280,32 @@ def make_nodule():
     return stage.view
 
 
+def make_bed():
+    """The liver on its bed under gravity, pressed and cut open."""
+    organ, surfaces = make_surfaces(0.024, TOOL_RADIUS)
+    surface = save_surface(surfaces, "surface.vtp")
+    body = TetrahedralizeSurface(Input=surface, ElementOrder="Quadratic", PreserveSurface=1)
+    scene = bed.make_scene(update(body))
+    place = [*organ.place[:2], organ.place[2] + TOOL_RADIUS - 0.04]
+    solve = SolveEquilibrium(Input=scene, Tool="Sphere", ToolRadius=TOOL_RADIUS, ToolPosition=place,
+                             BodyForce=bed.WEIGHT, Increments=2)
+    warp = WarpByVector(Input=update(solve), Vectors=["POINTS", "Displacement"])
+    cut = Clip(Input=warp, ClipType="Plane", Invert=0)
+    cut.ClipType.Origin, cut.ClipType.Normal = [0, place[1] - 0.002, 0], [0, 1, 0]
+    tool = Sphere(Center=place, Radius=TOOL_RADIUS, ThetaResolution=32, PhiResolution=32)
+    stomach, liver = scene, scene.Input
+    named(Surface=surface, Body=body, Material=liver.Input.Input, Bed=liver.Input, Liver=liver,
+          Stomach=stomach, Solution=solve, Deformed=warp, Cut=update(cut), Tool=tool)
+    stage = Stage(scene)
+    Delete(GetDisplayProperties(scene, stage.view))  # What is hidden would be in the state too.
+    stage.view.CameraViewUp = [0, 0, 1]
+    stage.view.CameraPosition = list(np.array(stage.view.CameraFocalPoint) + [-0.15, -1, 0.45])
+    largest = float(f"{warp.PointData['PartPressure'].GetRange()[1]:.2g}")
+    stage.colour(stage.show(cut), ("POINTS", "PartPressure"), "Pressure (Pa)", (0, largest))
+    stage.show(tool, HAND)
+    return stage.view
+
+
 def make_brain():
     """The brain, cut open where a sphere presses it."""
     labels = XMLImageDataReader(FileName=["labels.vti"])
@@ -359,9 +388,10 @@ MAKERS = {"liver": make_liver, "accuracy": make_accuracy, "discretisation": make
           "tolerance": make_tolerance, "stability": make_stability, "cluster": make_cluster,
           "roof": make_roof_touched, "palpation": make_palpation, "online": make_online,
           "two_hands": make_two_hands, "wobble": make_wobble, "nodule": make_nodule,
-          "brain": make_brain}
+          "bed": make_bed, "brain": make_brain}
 # Where what they read is, if it is not that of the liver.
-DATA = {"roof": "roof", "nodule": "nodule", "brain": os.path.join("..", "out", "brain")}
+DATA = {"roof": "roof", "nodule": "nodule", "bed": "bed",
+        "brain": os.path.join("..", "out", "brain")}
 
 
 def main(name):

@@ -39,6 +39,8 @@ constexpr double kDeepest = 0.5;
 constexpr double kLeastSafe = kSafe - kDeepest;
 /// The largest step of a difference, in thicknesses.
 constexpr double kDifference = 1e-3;
+/// Of how many states the neighbours are kept.
+constexpr std::size_t kKeptNeighbours = 4;
 /// How far beyond ρ neighbours are searched for, in ρ.
 constexpr double kMargin = 0.5;
 /// No point of a face moves by more than this times its farthest node: Σ |N_a| ≤ 5/3.
@@ -169,19 +171,23 @@ SoftContact::SoftContact(const Scene& scene, double spacing)
 SoftContact::~SoftContact() = default;
 
 const ContactNeighbours& SoftContact::near(const NodalVector& state) const {
-  const auto is_near = [&] {
-    const double most = kMargin * reach_ / (2 * kNodeToPoint);
-    const Eigen::Index displacements = 3 * static_cast<Eigen::Index>(points_.rest().size());
+  const double most = kMargin * reach_ / (2 * kNodeToPoint);
+  const Eigen::Index displacements = 3 * static_cast<Eigen::Index>(points_.rest().size());
+  const auto serves = [&](const ContactNeighbours& found) {
     for (Eigen::Index i = 0; i < displacements; i += 3) {
-      const Vec3 moved = state.segment<3>(i) - neighbours_->reference.segment<3>(i);
+      const Vec3 moved = state.segment<3>(i) - found.reference.segment<3>(i);
       if (!(moved.squaredNorm() < most * most)) return false;
     }
     return true;
   };
-  if (!neighbours_ || !is_near()) {
-    neighbours_ = find_neighbours(points_, rule_, state, (1 + kMargin) * reach_);
+  const auto found = std::find_if(neighbours_.begin(), neighbours_.end(), serves);
+  if (found != neighbours_.end()) {
+    neighbours_.splice(neighbours_.begin(), neighbours_, found);
+  } else {
+    neighbours_.push_front(find_neighbours(points_, rule_, state, (1 + kMargin) * reach_));
+    if (neighbours_.size() > kKeptNeighbours) neighbours_.pop_back();
   }
-  return *neighbours_;
+  return neighbours_.front();
 }
 
 const SoftContact::Sight& SoftContact::look(const NodalVector& state, double reach) const {
@@ -267,7 +273,7 @@ double SoftContact::add(const NodalVector& state, NodalVector& force,
   for (std::size_t i = 0; i < num_points; ++i) {
     const Sums& sums = sight.sums[i];
     if (has_passed_through(sums)) return std::numeric_limits<double>::infinity();
-    const Index point = neighbours_->points[i];
+    const Index point = neighbours_.front().points[i];
     if (!acts(point, sums, 0)) continue;
     const Jet jet = energy_of(point, sums);
     energy += jet.value;
@@ -290,7 +296,7 @@ double SoftContact::add(const NodalVector& state, NodalVector& force,
   }
   for (std::size_t i = 0; i < num_points; ++i) {
     if (gradient[i].isZero(0)) continue;
-    points_.add_to_nodes(neighbours_->points[i], sight.at[i], gradient[i], force);
+    points_.add_to_nodes(neighbours_.front().points[i], sight.at[i], gradient[i], force);
   }
   return energy;
 }
@@ -301,7 +307,7 @@ void SoftContact::set_offsets() {
   for (std::size_t i = 0; i < sight.at.size(); ++i) {
     const Sums& sums = sight.sums[i];
     if (!is_covered(sums)) continue;
-    offsets_[neighbours_->points[i]] = std::min(sums.gap(), law_.thickness) - law_.thickness;
+    offsets_[neighbours_.front().points[i]] = std::min(sums.gap(), law_.thickness) - law_.thickness;
   }
 }
 
@@ -312,30 +318,33 @@ bool SoftContact::has_passed_through(const Sums& sums) const {
 }
 
 double SoftContact::longest_share(const NodalVector& state, const NodalVector& step) const {
+  double fastest = 0;
+  for (Eigen::Index i = 0; i < 3 * static_cast<Eigen::Index>(points_.rest().size()); i += 3) {
+    fastest = std::max(fastest, step.segment<3>(i).squaredNorm());
+  }
+  // Two surfaces come nearer to each other by no more than this.
+  const double nearer = 2 * kNodeToPoint * std::sqrt(fastest);
+  const auto deepest = [&](const std::vector<double>& depths) {
+    return *std::max_element(depths.begin(), depths.end());
+  };
+  if (nearer <= kLeastSafe * reach_) return 1;
   // As far as is safe from here, then from there, until a point is too deep or the end is reached.
   double safe = 0;
-  double share = safe_share(state, step, depths_of_faces(state));
-  while (share < 1) {
-    const NodalVector here = state + share * step;
+  double share = 0;
+  for (;;) {
+    const NodalVector here = share == 0 ? state : NodalVector(state + share * step);
     const std::vector<double> depths = depths_of_faces(here);
-    if (*std::max_element(depths.begin(), depths.end()) > kDeepest * reach_) {
-      return 0.5 * (safe + share);
-    }
+    const double depth = deepest(depths);
+    if (share > 0 && depth > kDeepest * reach_) return 0.5 * (safe + share);
+    if ((1 - share) * nearer <= kSafe * reach_ - depth) return 1;
     safe = share;
-    share += (1 - share) * safe_share(here, (1 - share) * step, depths);
+    share += (1 - share) * safe_share(here, (1 - share) * step, 0.5 * (1 - share) * nearer, depths);
+    if (share >= 1) return 1;
   }
-  return 1;
 }
 
-double SoftContact::safe_share(const NodalVector& state, const NodalVector& step,
+double SoftContact::safe_share(const NodalVector& state, const NodalVector& step, double fastest,
                                const std::vector<double>& depths) const {
-  const std::size_t num_points = points_.rest().size();
-  double fastest = 0;
-  for (std::size_t p = 0; p < num_points; ++p) {
-    fastest = std::max(fastest, step.segment<3>(3 * static_cast<Eigen::Index>(p)).squaredNorm());
-  }
-  fastest = kNodeToPoint * std::sqrt(fastest);
-  if (2 * fastest <= kLeastSafe * reach_) return 1;
   // Faces that are farther apart than this do not meet in the step.
   const double farthest = 2 * fastest;
   const auto num_faces = static_cast<std::size_t>(points_.num_faces());
@@ -404,7 +413,7 @@ std::vector<SoftContact::AtPoint> SoftContact::points_in_reach(const NodalVector
   for (std::size_t i = 0; i < sight.at.size(); ++i) {
     const Sums& sums = sight.sums[i];
     if (!is_covered(sums)) continue;
-    const Index point = neighbours_->points[i];
+    const Index point = neighbours_.front().points[i];
     found.push_back(
         {point, sums.gap(), acts(point, sums, 0) ? energy_of(point, sums).pressure : 0});
   }
@@ -467,7 +476,7 @@ double SoftContact::layer_energy(const NodalVector& state) const {
   double energy = 0;
   for (std::size_t i = 0; i < sight.at.size(); ++i) {
     const Sums& sums = sight.sums[i];
-    const Index point = neighbours_->points[i];
+    const Index point = neighbours_.front().points[i];
     if (!acts(point, sums, 0)) continue;
     const Jet jet = energy_of(point, sums);
     // From where the law begins to act, f falls by what is three times the energy for the pressure.

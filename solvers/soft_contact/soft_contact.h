@@ -24,8 +24,8 @@
 // no step moves two surfaces by more than that towards each other.
 #pragma once
 
+#include <list>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "assembly/energy_term.h"
@@ -123,8 +123,9 @@ class SoftContact final : public EnergyTerm {
   [[nodiscard]] bool is_covered(const Sums& sums) const;
   [[nodiscard]] bool has_passed_through(const Sums& sums) const;
   /// A share of a step within which no surface passes through another one unnoticed.
+  /// @param fastest How far a point moves in the step at the most, m.
   /// @param depths Those of the faces in the state.
-  [[nodiscard]] double safe_share(const NodalVector& state, const NodalVector& step,
+  [[nodiscard]] double safe_share(const NodalVector& state, const NodalVector& step, double fastest,
                                   const std::vector<double>& depths) const;
   /// How deep a point of each face of the surface is inside another one, m; 0 if none is.
   [[nodiscard]] std::vector<double> depths_of_faces(const NodalVector& state) const;
@@ -138,7 +139,8 @@ class SoftContact final : public EnergyTerm {
   double least_sum_;
   /// o of each point, m.
   std::vector<double> offsets_;
-  mutable std::optional<ContactNeighbours> neighbours_;
+  /// Of the states that were looked at last, the last one first.
+  mutable std::list<ContactNeighbours> neighbours_;
   /// Of the last state that was looked at.
   mutable std::unique_ptr<Sight> sight_;
 };

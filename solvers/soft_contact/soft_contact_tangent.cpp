@@ -62,7 +62,7 @@ struct SoftContact::Coupling {
 };
 
 SoftContact::Coupling SoftContact::couple(const Sight& sight, double further) const {
-  const ContactNeighbours& near = *neighbours_;
+  const ContactNeighbours& near = neighbours_.front();
   const std::size_t num_points = near.points.size();
   Coupling result;
   result.acts.resize(num_points);
@@ -140,7 +140,7 @@ std::vector<PointPair> SoftContact::pairs_around(const NodalVector& state) const
 
 void SoftContact::take_blocks(const NodalVector& state, PairBlocks& result) const {
   const Sight& sight = look(state, reach_);
-  const ContactNeighbours& near = *neighbours_;
+  const ContactNeighbours& near = neighbours_.front();
   Coupling coupling = couple(sight, 0);
   result.pairs = coupling.cliques.name_pairs(static_cast<Index>(points_.rest().size()));
   std::vector<Mat3>& blocks = result.values;

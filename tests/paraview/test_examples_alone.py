@@ -148,6 +148,33 @@ def check_wobble():
     assert done.returncode == 1 and done.stderr.startswith("wobble.py: "), done.stderr
 
 
+def check_bed():
+    """A coarse liver on its bed, and a slit in a coarse block."""
+    done = run(1, "--edge", "0.03", "--depths", "0.01", "--output", "bed", example="bed")
+    assert done.returncode == 0, done.stderr
+    liver, bed, stomach = rows_of("bed/parts.csv")
+    borne = [float(part["borne by the others (N)"]) for part in (liver, bed, stomach)]
+    assert abs(sum(borne)) < 1e-3 and borne[0] > 0.9 * float(liver["weight (N)"]), borne
+    row, = rows_of("bed/table.csv")
+    assert float(row["force (N)"]) > 5 * float(row["alone (N)"]) > 0, row
+    assert 0.8 < float(row["on the bed (N)"]) / float(row["force (N)"]) < 1.3, row
+    expect_pictures("bed", "rest", "lying", "pressed", "pressure_lying", "pressure_pressed", "force")
+    done = run(1, "--edge", "0", "--output", "bed", example="bed")
+    assert done.returncode == 1 and done.stderr.startswith("bed.py: "), done.stderr
+
+    done = run(1, "--cells", "8", "6", "6", "--ways", "-0.002", "0.002", "--output", "slit",
+               example="bed", script="slit")
+    assert done.returncode == 0, done.stderr
+    squeezed, apart, *_ = rows_of("slit/table.csv")
+    assert abs(float(squeezed["less the layer (%)"])) < 12, squeezed
+    assert abs(float(squeezed["thin (%)"])) < abs(float(squeezed["cut (%)"])), squeezed
+    assert float(squeezed["no contact (%)"]) < -30 > float(apart["cut (%)"]), (squeezed, apart)
+    assert float(apart["opens (mm)"]) > 2 and float(apart["gap (mm)"]) > 0, apart
+    expect_pictures("slit", "opened", "squeezed", "pressed", "force")
+    done = run(1, "--cells", "3", "3", "3", "--output", "slit", example="bed", script="slit")
+    assert done.returncode == 1 and done.stderr.startswith("slit.py: "), done.stderr
+
+
 if os.environ.get("PALPATE_SHARED_DATA"):
     check_locking(os.path.join(os.environ["PALPATE_SHARED_DATA"], "liver_seed.vtu"))
     check_stability(os.path.join(os.environ["PALPATE_SHARED_DATA"], "liver_seed.vtu"))
@@ -156,3 +183,4 @@ check_stability()
 check_tolerance()
 check_two_hands()
 check_wobble()
+check_bed()

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Parts of a body that touch each other, on the way from Set Boundary to a state space."""
 
+import os
+
 import numpy
 from paraview.simple import (AppendDatasets, AssignMaterial, PrecomputeStateSpace, SetBoundary,
                              SolveDynamics, SolveEquilibrium, StateSpaceReader, TouchStateSpace)
-from support import (box_body, cell_array, expect_error, expect_silence, fetch, field,
-                     message, point_array, source)
+from state_space_support import fetch_space
+from support import (box_body, cell_array, expect_error, expect_silence, fetch, field, message,
+                     node_at, point_array, source)
 
 RADIUS = 0.02
 BED_HEIGHT = 0.03
@@ -121,6 +124,34 @@ def test_a_space_of_a_tool():
     force = field(exact, "ReactionForce")[0]
     difference = numpy.linalg.norm(field(touched, "Force")[0] - force)
     assert difference < 0.03 * numpy.linalg.norm(force), (field(touched, "Force")[0], force)
+
+
+def test_a_space_of_a_bonded_tool():
+    boundary = held(parts("bonded"), Contact="Between Parts")
+    node = node_at(boundary, [*MIDDLE, TOP])
+    tip = {"ActiveNodes": [node], "TipRadius": 0.012}
+    settings = {**tip, "HalfWidth": 0.0015, "Resolution": 3, "FileName": "bonded.palpate",
+                "LogInterval": 0}
+    if os.path.exists("bonded.palpate"):
+        os.remove("bonded.palpate")
+
+    def solved(boundary):
+        space = PrecomputeStateSpace(Input=boundary, **settings)
+        return field(fetch_space(space)["Configurations"], "Solved")[0]
+
+    assert solved(boundary) == 27
+    # It goes on where it was, and is not that of another layer.
+    assert solved(boundary) == 0
+    other = held(parts("bonded_other"), Contact="Between Parts", ContactThickness=0.001)
+    expect_error(PrecomputeStateSpace(Input=other, **settings).UpdatePipeline, "bonded.palpate")
+    read = StateSpaceReader(FileName="bonded.palpate")
+    # At a check-point, and between check-points.
+    for displacement, allowed in (([0.0015, 0, -0.0015], 1e-5), ([0.0005, 0.001, -0.001], 0.02)):
+        touched = field(fetch(TouchStateSpace(Input=read, Displacement=displacement)), "Force")[0]
+        exact = field(fetch(SolveEquilibrium(Input=boundary, Displacement=displacement, **tip)),
+                      "ReactionForce")[0]
+        difference = numpy.linalg.norm(touched - exact)
+        assert difference < allowed * numpy.linalg.norm(exact), (touched, exact)
 
 
 if __name__ == "__main__":

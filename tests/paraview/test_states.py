@@ -18,7 +18,7 @@ LARGEST_STATE = 100_000  # bytes
 # Where the data of a state is, if it is not that of the liver. That of the brain is made of maps
 # that are fetched, and an egg takes its place here.
 DATA = {"roof": os.path.join(EXAMPLES, "roof"), "nodule": os.path.join(EXAMPLES, "nodule"),
-        "brain": os.path.abspath("egg")}
+        "bed": os.path.join(EXAMPLES, "bed"), "brain": os.path.abspath("egg")}
 VOXEL = 8.0  # mm
 # Of the spaces of a rigid tool, which take longest, the radius of the part of the surface that they
 # are of: smaller than in the state, and the tool of the state still presses it. m
@@ -170,7 +170,7 @@ def save_egg():
 save_egg()
 names = sorted(name for name in os.listdir(EXAMPLES)
                if os.path.isfile(os.path.join(EXAMPLES, name, "README.md")))
-assert len(names) == 14, names
+assert len(names) == 15, names
 for name in names:
     if name != "embedding":
         check_the_triple(name)
