@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The contact of soft parts: what a configuration costs beside the same body whose parts do not
-// touch each other.
+// Parts of a body that touch each other.
 //
-//   palpate_benchmark_soft_contact walk|scene.palpate [--presses 60] [--seed 1]
+//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_soft_contact hertz [--extent 128]
+//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_soft_contact presses [--presses 500] [--seed 1]
+//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_soft_contact impacts [--presses 100] [--seed 1]
+//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_soft_contact pad [--presses 60] [--divisions 6]
+//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_soft_contact scene.palpate [--node 0] [--tip 0.012]
 //
-// Prints the tables of README.md.
+// The first is beside Hertz (two_half_spaces.h). The next two press and throw a round pad at a bed
+// at random, and say how deep a point was inside the other part and what became of the solves. The
+// last two walk with a bonded tip in steps of 2 to 4 mm, over a flat pad on a bed or over the scene
+// of a .palpate file around a point of its mesh, once as it is and once with its parts apart: what
+// contact costs. Prints the tables of README.md.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -346,8 +353,8 @@ void run(const Arguments& arguments) {
   if (arguments.scene == "impacts") return run_impacts(arguments);
   if (arguments.scene == "presses") return run_presses(arguments);
   if (arguments.scene == "hertz") return run_hertz(arguments);
-  const Bed bed = arguments.scene == "walk" ? make_bed(static_cast<int>(arguments["divisions"]))
-                                            : read_bed(arguments);
+  const Bed bed = arguments.scene == "pad" ? make_bed(static_cast<int>(arguments["divisions"]))
+                                           : read_bed(arguments);
   std::printf("unknowns %d tool %zu\n", 3 * bed.scene.body.mesh.num_points(), bed.tool.size());
   const auto places = random_walk(static_cast<int>(arguments["presses"]) + 1,
                                   static_cast<unsigned>(arguments["seed"]));
@@ -368,7 +375,7 @@ int main(int argc, char** argv) {
                                     {{"presses", 60},
                                      {"seed", 1},
                                      {"divisions", 6},
-                                     {"extent", 64},
+                                     {"extent", 128},
                                      {"node", 0},
                                      {"tip", 0.012}}));
   } catch (const std::exception& problem) {

@@ -158,7 +158,8 @@ def check_bed():
     row, = rows_of("bed/table.csv")
     assert float(row["force (N)"]) > 5 * float(row["alone (N)"]) > 0, row
     assert 0.8 < float(row["on the bed (N)"]) / float(row["force (N)"]) < 1.3, row
-    expect_pictures("bed", "rest", "lying", "pressed", "pressure_lying", "pressure_pressed", "force")
+    expect_pictures("bed", "rest", "lying", "pressed", "pressure_lying",
+                    "pressure_pressed", "force")
     done = run(1, "--edge", "0", "--output", "bed", example="bed")
     assert done.returncode == 1 and done.stderr.startswith("bed.py: "), done.stderr
 
