@@ -414,8 +414,8 @@ std::vector<SoftContact::AtPoint> SoftContact::points_in_reach(const NodalVector
     const Sums& sums = sight.sums[i];
     if (!is_covered(sums)) continue;
     const Index point = neighbours_.front().points[i];
-    found.push_back(
-        {point, sums.gap(), acts(point, sums, 0) ? energy_of(point, sums).pressure : 0});
+    const double pressure = acts(point, sums, 0) ? energy_of(point, sums).pressure : 0;
+    found.push_back({point, sums.gap(), pressure, sums.s / least_sum_});
   }
   return found;
 }
@@ -431,6 +431,7 @@ SoftContact::OnSurface SoftContact::on_surface(const NodalVector& state) const {
   std::vector<double> gaps(pressures.size(), std::numeric_limits<double>::quiet_NaN());
   for (const AtPoint& at : points_in_reach(state)) {
     pressures[at.point] = at.pressure;
+    if (at.seen < 1) continue;
     gaps[at.point] = at.gap;
     result.deepest = std::max(result.deepest, -at.gap);
   }

@@ -64,6 +64,9 @@ class SoftContact final : public EnergyTerm {
     double gap = 0;
     /// −ψ′ σ, Pa.
     double pressure = 0;
+    /// S/S₀: below 1, the point sees little of the other side, as beyond its edge, and its gap says
+    /// little.
+    double seen = 0;
   };
   /// The points that have others in reach, ascending.
   [[nodiscard]] std::vector<AtPoint> points_in_reach(const NodalVector& state) const;
@@ -72,7 +75,7 @@ class SoftContact final : public EnergyTerm {
   struct OnSurface {
     /// The pressure at each point of the mesh, averaged over its faces [num_points], Pa.
     std::vector<double> pressure;
-    /// The gap, likewise; NaN where nothing is in reach [num_points], m.
+    /// The gap, likewise; NaN where little or nothing is in reach [num_points], m.
     std::vector<double> gap;
     /// The force on each part by the others and itself [parts], N.
     std::vector<Vec3> force_on_part;

@@ -13,6 +13,7 @@
 // of a .palpate file around a point of its mesh, once as it is and once with its parts apart: what
 // contact costs. Prints the tables of README.md.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -36,7 +37,6 @@
 namespace palpate {
 namespace {
 
-using benchmarks::Figure;
 using benchmarks::seconds;
 
 /// A pad that lies on a bed and is held at one of its sides, with a tool that is bonded to it.

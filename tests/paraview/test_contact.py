@@ -5,8 +5,8 @@ import json
 import os
 
 import numpy
-from paraview.simple import (AssignMaterial, SetBoundary, SolveEquilibrium, Sphere,
-                             XMLUnstructuredGridReader)
+from paraview.simple import (AssignMaterial, Box, SetBoundary, SolveEquilibrium, Sphere,
+                             Triangulate, XMLUnstructuredGridReader)
 from support import (Messages, box_body, expect_error, expect_silence, fetch, field, message,
                      places, point_array, produce, source)
 from vtkmodules.vtkFiltersSources import vtkSphereSource
@@ -129,6 +129,25 @@ def test_a_tool_inside_is_told():
     assert message(found) in messages.text and messages.errors == 0
     # The last of the way that is contact.
     assert field(found, "ReactionForce")[0, 2] < 0
+
+
+def test_a_plate_is_larger_than_the_body():
+    """Without contraction, the force is that of a bar: E A times the strain."""
+    side, height, share = 0.04, 0.02, 0.1
+    body = source(box_body((6, 6, 3), (side, side, height)), "under_a_plate")
+    boundary = SetBoundary(Input=AssignMaterial(Input=body, Law="Linear", YoungsModulus=5e3,
+                                                PoissonsRatio=0), FixedRegion="Plane")
+    boundary.FixedRegion.Origin = [0, 0, 0]
+    boundary.FixedRegion.Normal = [0, 0, 1]
+    plate = Triangulate(Input=Box(XLength=0.09, YLength=0.09, ZLength=0.01))
+    after = fetch(press(boundary, Tool="Surface", ToolSurface=plate,
+                        ToolPosition=[side / 2, side / 2, (1 - share) * height + 0.005]))
+    assert field(after, "Outcome")[0] == 0, message(after)
+    force = field(after, "ReactionForce")[0]
+    bar = 5e3 * side ** 2 * share
+    assert abs(-force[2] - bar) < 0.05 * bar, (force, bar)
+    assert numpy.abs(force[:2]).max() < 1e-6 * bar, force
+    assert field(after, "ContactArea")[0] > 0.99 * side ** 2
 
 
 def test_a_coarse_mesh_is_told():
