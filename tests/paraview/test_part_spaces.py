@@ -7,7 +7,7 @@ import numpy
 from paraview.simple import (PrecomputeStateSpace, SolveEquilibrium, StateSpaceReader,
                              TouchStateSpace)
 from state_space_support import fetch_space
-from support import expect_error, expect_silence, fetch, field, node_at
+from support import expect_error, expect_silence, fetch, field, node_at, point_array
 from test_parts import MIDDLE, RADIUS, TOP, held, parts
 
 
@@ -55,6 +55,23 @@ def test_a_space_of_a_bonded_tool():
                       "ReactionForce")[0]
         difference = numpy.linalg.norm(touched - exact)
         assert difference < allowed * numpy.linalg.norm(exact), (touched, exact)
+
+
+def test_a_space_to_a_tolerance():
+    boundary = held(parts("tolerance"), Contact="Between Parts")
+    tip = {"ActiveNodes": [node_at(boundary, [*MIDDLE, TOP])], "TipRadius": 0.012}
+    space = PrecomputeStateSpace(Input=boundary, HalfWidth=0.0015, Tolerance=0.005, LogInterval=0,
+                                 **tip)
+    places = numpy.random.default_rng(3).uniform(-0.0014, 0.0014, (4, 3))
+    touched, exact = [], []
+    for place in places:
+        touched.append(field(fetch(TouchStateSpace(Input=space, Displacement=list(place))),
+                             "Force")[0])
+        exact.append(field(fetch(SolveEquilibrium(Input=boundary, Displacement=list(place), **tip)),
+                           "ReactionForce")[0])
+    difference = numpy.linalg.norm(numpy.subtract(touched, exact), axis=1)
+    forces = point_array(fetch_space(space)["Configurations"], "Force")
+    assert difference.max() < 0.005 * numpy.linalg.norm(forces, axis=1).max(), difference
 
 
 if __name__ == "__main__":
