@@ -3,14 +3,10 @@
 implicit functions as in ../liver/make_surface.py. The patient lies on the back: y points to the
 head, z to the front, which is up."""
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkCommonDataModel import vtkImageData
-from vtkmodules.vtkFiltersCore import (vtkAppendPolyData, vtkFlyingEdges3D,
-                                       vtkPolyDataConnectivityFilter, vtkWindowedSincPolyDataFilter)
+from vtkmodules.vtkFiltersCore import vtkAppendPolyData
 
 from bodies import Organ, add_cell_array
-from make_surface import SPACING, common, ellipsoid, half_space, liver, make_surface, without
-from remesh import arrays, poly_data, remesh, volume
+from make_surface import common, contour, ellipsoid, half_space, liver, make_surface, without
 
 LIVER, BED, STOMACH = range(3)  # their numbers in the cell array Region
 TOUCHED = (-0.04, 0.03, 0.08)  # the point of the liver that is nearest to it, m
@@ -38,36 +34,9 @@ def bed(points, gap):
     return without(without(block, liver(points) - gap, ROUND), stomach(points, gap) - gap, ROUND)
 
 
-def contour(function, low, high, edge):
-    """The largest closed surface on which function(points) is 0, with edges of about `edge` m."""
-    low, high = low - MARGIN, high + MARGIN
-    numbers = np.round((high - low) / SPACING).astype(int) + 1
-    z, y, x = np.meshgrid(*(low[k] + SPACING * np.arange(numbers[k]) for k in (2, 1, 0)),
-                          indexing="ij")
-    image = vtkImageData()
-    image.SetOrigin(low)
-    image.SetSpacing(SPACING, SPACING, SPACING)
-    image.SetDimensions(*(int(n) for n in numbers))
-    scalars = numpy_to_vtk(function(np.column_stack([x.ravel(), y.ravel(), z.ravel()])), deep=True)
-    scalars.SetName("Distance")
-    image.GetPointData().SetScalars(scalars)
-    surface = vtkFlyingEdges3D()
-    surface.SetInputData(image)
-    surface.SetValue(0, 0.0)
-    surface.ComputeScalarsOff()
-    surface.ComputeNormalsOff()
-    largest = vtkPolyDataConnectivityFilter()
-    largest.SetInputConnection(surface.GetOutputPort())
-    largest.SetExtractionModeToLargestRegion()
-    smooth = vtkWindowedSincPolyDataFilter()
-    smooth.SetInputConnection(largest.GetOutputPort())
-    smooth.SetNumberOfIterations(30)
-    smooth.SetPassBand(0.05)
-    smooth.NormalizeCoordinatesOn()
-    smooth.Update()
-    # A contour's triangles face the side where the values fall: here the inside.
-    points, corners = arrays(remesh(smooth.GetOutput(), edge))
-    return poly_data(points, corners[:, ::-1] if volume(points, corners) < 0 else corners)
+def largest(function, low, high, edge):
+    """Of the closed surfaces on which function(points) is 0 in a box, m."""
+    return contour(function, low - MARGIN, high + MARGIN, edge, only_largest=True)
 
 
 def make_surfaces(edge, tip_radius):
@@ -77,9 +46,9 @@ def make_surfaces(edge, tip_radius):
     organ = Organ(make_surface(), TOUCHED, tip_radius=tip_radius)
     of_stomach = HOLLOW[0] - HOLLOW[1], HOLLOW[0] + HOLLOW[1]
     surfaces = {LIVER: organ.refined(edge, min(1, 0.6 * tip_radius / edge)),
-                BED: contour(lambda points: bed(points, gap), BED_LOW, BED_HIGH,
+                BED: largest(lambda points: bed(points, gap), BED_LOW, BED_HIGH,
                              EDGES_OF_BED * edge),
-                STOMACH: contour(lambda points: stomach(points, gap), *of_stomach, edge)}
+                STOMACH: largest(lambda points: stomach(points, gap), *of_stomach, edge)}
     together = vtkAppendPolyData()
     for region, surface in surfaces.items():
         add_cell_array(surface, "Region", np.full(surface.GetNumberOfCells(), region, np.int32))

@@ -14,7 +14,8 @@ import sys
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData
-from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkWindowedSincPolyDataFilter
+from vtkmodules.vtkFiltersCore import (vtkFlyingEdges3D, vtkPolyDataConnectivityFilter,
+                                       vtkWindowedSincPolyDataFilter)
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from remesh import arrays, poly_data, remesh
@@ -80,27 +81,34 @@ def liver(points):
     return body
 
 
-def make_surface(edge_length=0.0065):
-    """The closed surface as vtkPolyData, normals outwards, with edges of about that length (m)."""
-    numbers = np.round(np.ptp(BOUNDS, axis=1) / SPACING).astype(int) + 1
-    z, y, x = np.meshgrid(*(BOUNDS[k, 0] + SPACING * np.arange(numbers[k]) for k in (2, 1, 0)),
+def contour(function, low, high, edge_length, only_largest=False):
+    """The closed surface on which function(points) is 0, negative inside, as vtkPolyData, normals
+    outwards, with edges of about that length (m).
+    low, high: corners of the box that is sampled; only_largest: of several surfaces."""
+    numbers = np.round((high - low) / SPACING).astype(int) + 1
+    z, y, x = np.meshgrid(*(low[k] + SPACING * np.arange(numbers[k]) for k in (2, 1, 0)),
                           indexing="ij")
     image = vtkImageData()
-    image.SetOrigin(BOUNDS[:, 0])
+    image.SetOrigin(low)
     image.SetSpacing(SPACING, SPACING, SPACING)
     image.SetDimensions(*(int(n) for n in numbers))
-    values = liver(np.column_stack([x.ravel(), y.ravel(), z.ravel()]))
+    values = function(np.column_stack([x.ravel(), y.ravel(), z.ravel()]))
     scalars = numpy_to_vtk(values, deep=True)
     scalars.SetName("Distance")
     image.GetPointData().SetScalars(scalars)
 
-    contour = vtkFlyingEdges3D()
-    contour.SetInputData(image)
-    contour.SetValue(0, 0.0)
-    contour.ComputeScalarsOff()
-    contour.ComputeNormalsOff()
+    surface = vtkFlyingEdges3D()
+    surface.SetInputData(image)
+    surface.SetValue(0, 0.0)
+    surface.ComputeScalarsOff()
+    surface.ComputeNormalsOff()
+    if only_largest:
+        largest = vtkPolyDataConnectivityFilter()
+        largest.SetInputConnection(surface.GetOutputPort())
+        largest.SetExtractionModeToLargestRegion()
+        surface = largest
     smooth = vtkWindowedSincPolyDataFilter()
-    smooth.SetInputConnection(contour.GetOutputPort())
+    smooth.SetInputConnection(surface.GetOutputPort())
     smooth.SetNumberOfIterations(30)
     smooth.SetPassBand(0.05)
     smooth.NormalizeCoordinatesOn()
@@ -108,6 +116,11 @@ def make_surface(edge_length=0.0065):
     # A contour's triangles face the side where the values fall: here the inside.
     points, corners = arrays(remesh(smooth.GetOutput(), edge_length))
     return poly_data(points, corners[:, ::-1])
+
+
+def make_surface(edge_length=0.0065):
+    """The liver, with edges of about that length (m)."""
+    return contour(liver, BOUNDS[:, 0], BOUNDS[:, 1], edge_length)
 
 
 def main():

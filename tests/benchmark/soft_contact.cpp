@@ -201,13 +201,8 @@ Bed make_round_pad(double youngs_modulus) {
   options.upper_at = Vec3(0.014, 0.012, 0.002);
   options.upper_youngs_modulus = youngs_modulus;
   Bed bed{test::make_two_blocks(options), {}};
-  const std::vector<char> is_upper = test::points_of_upper(bed.scene);
   test::bend_to_dome(bed.scene, options, 0.01);
-  for (std::size_t p = 0; p < is_upper.size(); ++p) {
-    if (is_upper[p] == 0 || bed.scene.body.fixed[p] == 0) continue;
-    bed.tool.push_back(static_cast<Index>(p));
-    bed.scene.body.fixed[p] = 0;
-  }
+  bed.tool = test::free_top(bed.scene);
   return bed;
 }
 

@@ -1024,13 +1024,7 @@ DynamicState throw_at_bed(TimeIntegrator integrator, double duration,
   blocks.upper_at = Vec3(0.012, 0.012, 0.002);
   Scene scene = make_two_blocks(blocks);
   bend_to_dome(scene, blocks, 0.01);
-  const std::vector<char> is_upper = points_of_upper(scene);
-  std::vector<Index> held;
-  for (std::size_t p = 0; p < is_upper.size(); ++p) {
-    if (is_upper[p] == 0 || scene.body.fixed[p] == 0) continue;
-    held.push_back(static_cast<Index>(p));
-    scene.body.fixed[p] = 0;
-  }
+  const std::vector<Index> held = free_top(scene);
   DynamicsOptions options;
   options.integrator = integrator;
   options.settled = false;

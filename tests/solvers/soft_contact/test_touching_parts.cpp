@@ -24,13 +24,7 @@ namespace {
 class Pressed {
  public:
   explicit Pressed(Scene scene) : scene_(std::move(scene)) {
-    std::vector<Index> held;
-    const std::vector<char> is_upper = points_of_upper(scene_);
-    for (std::size_t p = 0; p < is_upper.size(); ++p) {
-      if (is_upper[p] == 0 || scene_.body.fixed[p] == 0) continue;
-      held.push_back(static_cast<Index>(p));
-      scene_.body.fixed[p] = 0;
-    }
+    const std::vector<Index> held = free_top(scene_);
     EquilibriumOptions options;
     options.third_derivatives = true;
     solver_ = std::make_unique<EquilibriumSolver>(scene_, options);

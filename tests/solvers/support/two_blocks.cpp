@@ -60,4 +60,15 @@ std::vector<char> points_of_upper(const Scene& scene) {
   return is_upper;
 }
 
+std::vector<Index> free_top(Scene& scene) {
+  std::vector<Index> top;
+  const std::vector<char> is_upper = points_of_upper(scene);
+  for (std::size_t p = 0; p < is_upper.size(); ++p) {
+    if (is_upper[p] == 0 || scene.body.fixed[p] == 0) continue;
+    top.push_back(static_cast<Index>(p));
+    scene.body.fixed[p] = 0;
+  }
+  return top;
+}
+
 }  // namespace palpate::test

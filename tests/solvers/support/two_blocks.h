@@ -34,6 +34,10 @@ struct TwoBlocksOptions {
 /// Bends the surface of the upper part that faces the lower one to a paraboloid of this radius, m.
 void bend_to_dome(Scene& scene, const TwoBlocksOptions& options, double radius);
 
+/// Frees the top of the upper part, for a tool to hold.
+/// @returns Its points.
+[[nodiscard]] std::vector<Index> free_top(Scene& scene);
+
 /// 1 for each point of part 1 [num_points].
 [[nodiscard]] std::vector<char> points_of_upper(const Scene& scene);
 
