@@ -93,6 +93,34 @@ struct Packet {
 inline Packet min(Packet a, Packet b) { return a.values < b.values ? a.values : b.values; }
 inline Packet max(Packet a, Packet b) { return a.values > b.values ? a.values : b.values; }
 
+/// A bit for each number that is positive, that of the first one the lowest.
+inline unsigned positive_bits(Packet a) {
+  const auto is_positive = a.values > Eight{};
+#if defined(__AVX512DQ__)
+  long long __attribute__((vector_size(64))) mask;
+  __builtin_memcpy(&mask, &is_positive, sizeof mask);
+  return __builtin_ia32_cvtq2mask512(mask);
+#else
+  unsigned bits = 0;
+#if defined(__AVX__)
+  Four parts[2];
+  __builtin_memcpy(parts, &is_positive, sizeof parts);
+  for (unsigned i = 0; i < 2; ++i) {
+    bits |= static_cast<unsigned>(__builtin_ia32_movmskpd256(parts[i])) << (4 * i);
+  }
+#elif defined(__SSE2__)
+  Two parts[4];
+  __builtin_memcpy(parts, &is_positive, sizeof parts);
+  for (unsigned i = 0; i < 4; ++i) {
+    bits |= static_cast<unsigned>(__builtin_ia32_movmskpd(parts[i])) << (2 * i);
+  }
+#else
+  for (unsigned i = 0; i < kPacketSize; ++i) bits |= (is_positive[i] != 0 ? 1U : 0U) << i;
+#endif
+  return bits;
+#endif
+}
+
 /// Applies f to each number.
 template <class F>
 Packet map(Packet a, F&& f) {

@@ -58,14 +58,15 @@ std::vector<PointPair> Cliques::name_pairs(Index num_points) {
   return pairs;
 }
 
-void Cliques::add_blocks(std::size_t clique, const Eigen::Ref<const Eigen::MatrixXd>& lower,
+void Cliques::add_blocks(std::size_t clique, const double* lower, std::size_t size,
                          std::vector<Mat3>& blocks) const {
+  using Block = Eigen::Map<const Mat3, Eigen::Unaligned, Eigen::OuterStride<>>;
   const std::vector<Index>& nodes = nodes_[clique];
   std::size_t at = 0;
   for (std::size_t a = 0; a < nodes.size(); ++a) {
     for (std::size_t b = 0; b <= a; ++b, ++at) {
-      const auto block =
-          lower.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b));
+      const Block block(lower + 3 * a + 3 * b * size,
+                        Eigen::OuterStride<>(static_cast<Eigen::Index>(size)));
       Mat3& sum = blocks[pairs_[clique][at]];
       if (nodes[a] <= nodes[b]) {
         sum += block;

@@ -22,9 +22,10 @@ class Cliques {
   [[nodiscard]] const std::vector<Index>& nodes(std::size_t clique) const { return nodes_[clique]; }
   /// Names the pairs of all sets, each once, ascending.
   [[nodiscard]] std::vector<PointPair> name_pairs(Index num_points);
-  /// Adds a second derivative by the nodes of a set, of which the lower part is given, to the
-  /// blocks of the pairs.
-  void add_blocks(std::size_t clique, const Eigen::Ref<const Eigen::MatrixXd>& lower,
+  /// Adds a second derivative by the nodes of a set to the blocks of the pairs.
+  /// @param lower Its lower part, stored by columns.
+  /// @param size The number of values from column to column.
+  void add_blocks(std::size_t clique, const double* lower, std::size_t size,
                   std::vector<Mat3>& blocks) const;
 
  private:

@@ -2,6 +2,7 @@
 #include "soft_contact/contact_neighbours.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "mesh/box_tree.h"
 
@@ -13,11 +14,46 @@ namespace {
 constexpr double kSameNeighbourhood = 2;
 constexpr double kBehind = 0.1;
 
-/// Two points of the surface.
+/// Two packets of the surface, and which of their points may touch each other.
 struct Near {
-  Index point;
+  Index packet;
   Index other;
+  std::uint64_t allowed;
 };
+
+Vec3 at(const double (&values)[3][kPacketSize], int point) {
+  return {values[0][point], values[1][point], values[2][point]};
+}
+
+std::uint64_t bit(int i, int j) { return std::uint64_t{1} << (kPacketSize * i + j); }
+
+/// The square of the distance of the boxes around two packets, m².
+double distance_of_boxes(const PointPacket& a, const PointPacket& b) {
+  double square = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double between = std::max({a.low[c] - b.high[c], b.low[c] - a.high[c], 0.0});
+    square += between * between;
+  }
+  return square;
+}
+
+/// The same as the other packet has it.
+std::uint64_t transposed(std::uint64_t allowed) {
+  if (allowed == kAllAllowed) return allowed;
+  std::uint64_t result = 0;
+  for (int i = 0; i < kPacketSize; ++i) {
+    for (int j = 0; j < kPacketSize; ++j) {
+      if ((allowed & bit(i, j)) != 0) result |= bit(j, i);
+    }
+  }
+  return result;
+}
+
+std::vector<Index> all_faces(const ContactPoints& points) {
+  std::vector<Index> faces(static_cast<std::size_t>(points.num_faces()));
+  std::iota(faces.begin(), faces.end(), 0);
+  return faces;
+}
 
 }  // namespace
 
@@ -25,39 +61,55 @@ TouchRule::TouchRule(const ContactPoints& points, bool with_themselves, double r
     : points_(points), with_themselves_(with_themselves), reach_(reach) {
   if (!with_themselves) return;
   const NodalVector none = NodalVector::Zero(3 * static_cast<Eigen::Index>(points.rest().size()));
-  for (Index p = 0; p < points.num_points(); ++p) rest_.push_back(points.features(p, none));
+  points.take_features(all_faces(points), none, rest_);
 }
 
 bool TouchRule::are_two_sides(Index point, Index other) const {
   if (points_.part(points_.face_of(point)) != points_.part(points_.face_of(other))) return false;
-  const PointFeatures& i = rest_[point];
-  const PointFeatures& j = rest_[other];
-  const Vec3 r = i.place - j.place;
+  const PointPacket& here = rest_[point / kPacketSize];
+  const PointPacket& there = rest_[other / kPacketSize];
+  const int i = point % kPacketSize;
+  const int j = other % kPacketSize;
+  const Vec3 r = at(here.place, i) - at(there.place, j);
   const double distance = r.norm();
   if (distance > kSameNeighbourhood * reach_) return false;
-  return std::min(j.normal.dot(r), -i.normal.dot(r)) < -kBehind * distance;
+  return std::min(at(there.normal, j).dot(r), -at(here.normal, i).dot(r)) < -kBehind * distance;
 }
 
 ContactNeighbours find_neighbours(const ContactPoints& points, const TouchRule& rule,
                                   const NodalVector& state, double distance) {
   ContactNeighbours found;
   found.reference = state;
-  const Index num_faces = points.num_faces();
-  std::vector<Vec3> places;
-  places.reserve(static_cast<std::size_t>(points.num_points()));
-  std::vector<BoxTree::Box> boxes(static_cast<std::size_t>(num_faces));
-  for (Index f = 0; f < num_faces; ++f) {
-    for (Index p = points.first_point(f); p < points.first_point(f + 1); ++p) {
-      places.push_back(points.place(p, state));
-      boxes[f].extend(places.back());
+  const auto num_faces = static_cast<std::size_t>(points.num_faces());
+  std::vector<PointPacket> all;
+  points.take_features(all_faces(points), state, all);
+  std::vector<BoxTree::Box> boxes(num_faces);
+  for (std::size_t f = 0; f < num_faces; ++f) {
+    const auto face = static_cast<Index>(f);
+    for (Index p = points.first_packet(face); p < points.first_packet(face + 1); ++p) {
+      boxes[f].extend(Vec3::Map(all[p].low));
+      boxes[f].extend(Vec3::Map(all[p].high));
     }
   }
   const BoxTree tree(boxes);
   const double most = distance * distance;
+  // Which points of two packets that are near each other may touch.
+  const auto compare = [&](Index face, Index packet, Index other_face, Index other) {
+    if (points.part(face) != points.part(other_face)) return kAllAllowed;
+    std::uint64_t allowed = 0;
+    for (int i = 0; i < kPacketSize; ++i) {
+      for (int j = 0; j < kPacketSize; ++j) {
+        if (!rule.are_two_sides(packet * kPacketSize + i, other * kPacketSize + j)) {
+          allowed |= bit(i, j);
+        }
+      }
+    }
+    return allowed;
+  };
   std::vector<Near> pairs;
-  std::vector<char> is_near(boxes.size(), 0);
+  std::vector<char> is_near(num_faces, 0);
   std::vector<Index> others;
-  for (Index f = 0; f < num_faces; ++f) {
+  for (Index f = 0; f < points.num_faces(); ++f) {
     BoxTree::Box box = boxes[f];
     box.min().array() -= distance;
     box.max().array() += distance;
@@ -68,40 +120,54 @@ ContactNeighbours find_neighbours(const ContactPoints& points, const TouchRule& 
         others.push_back(other);
       }
     });
-    std::sort(others.begin(), others.end());
-    for (Index p = points.first_point(f); p < points.first_point(f + 1); ++p) {
+    for (Index p = points.first_packet(f); p < points.first_packet(f + 1); ++p) {
       for (const Index other : others) {
-        if (boxes[other].squaredExteriorDistance(places[p]) >= most) continue;
-        for (Index q = points.first_point(other); q < points.first_point(other + 1); ++q) {
-          if ((places[p] - places[q]).squaredNorm() >= most || rule.are_two_sides(p, q)) continue;
-          pairs.push_back({p, q});
+        for (Index q = points.first_packet(other); q < points.first_packet(other + 1); ++q) {
+          if (distance_of_boxes(all[p], all[q]) >= most) continue;
+          const std::uint64_t allowed = compare(f, p, other, q);
+          if (allowed == 0) continue;
+          pairs.push_back({p, q, allowed});
           is_near[f] = 1;
           is_near[other] = 1;
         }
       }
     }
   }
-  std::vector<std::uint32_t> number(places.size(), 0);
-  for (Index f = 0; f < num_faces; ++f) {
+  std::vector<std::int32_t> number(all.size(), 0);
+  for (Index f = 0; f < points.num_faces(); ++f) {
     if (is_near[f] == 0) continue;
-    found.first_point.push_back(static_cast<std::uint32_t>(found.points.size()));
-    for (Index p = points.first_point(f); p < points.first_point(f + 1); ++p) {
-      number[p] = static_cast<std::uint32_t>(found.points.size());
-      found.points.push_back(p);
-      found.face_of.push_back(static_cast<std::uint32_t>(found.faces.size()));
+    found.first_packet.push_back(static_cast<std::int32_t>(found.packets.size()));
+    for (Index p = points.first_packet(f); p < points.first_packet(f + 1); ++p) {
+      number[p] = static_cast<std::int32_t>(found.packets.size());
+      found.packets.push_back(p);
+      found.face_of.push_back(static_cast<std::int32_t>(found.faces.size()));
     }
     found.faces.push_back(f);
   }
-  found.first_point.push_back(static_cast<std::uint32_t>(found.points.size()));
-  found.others.reserve(pairs.size());
-  auto next = pairs.begin();
-  for (const Index p : found.points) {
-    found.first_other.push_back(found.others.size());
-    for (; next != pairs.end() && next->point == p; ++next) {
-      found.others.push_back(number[next->other]);
-    }
+  found.first_packet.push_back(static_cast<std::int32_t>(found.packets.size()));
+  // The pairs ascend, so that each packet has those with lesser ones first.
+  std::vector<std::size_t> num_less(found.packets.size(), 0);
+  found.first.assign(found.packets.size() + 1, 0);
+  for (const Near& pair : pairs) {
+    ++found.first[number[pair.packet] + 1];
+    ++found.first[number[pair.other] + 1];
+    ++num_less[number[pair.other]];
   }
-  found.first_other.push_back(found.others.size());
+  std::partial_sum(found.first.begin(), found.first.end(), found.first.begin());
+  std::vector<std::size_t> next(found.first.begin(), found.first.end() - 1);
+  found.others.resize(found.first.back());
+  found.allowed.resize(found.first.back());
+  for (const Near& pair : pairs) {
+    const std::int32_t packet = number[pair.packet];
+    const std::int32_t other = number[pair.other];
+    found.others[next[packet]] = other;
+    found.allowed[next[packet]++] = pair.allowed;
+    found.others[next[other]] = packet;
+    found.allowed[next[other]++] = transposed(pair.allowed);
+  }
+  for (std::size_t p = 0; p < num_less.size(); ++p) {
+    found.first_greater.push_back(found.first[p] + num_less[p]);
+  }
   return found;
 }
 

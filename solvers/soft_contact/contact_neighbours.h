@@ -30,24 +30,35 @@ class TouchRule {
   bool with_themselves_;
   double reach_;
   /// The points at rest; empty where no part touches itself.
-  std::vector<PointFeatures> rest_;
+  std::vector<PointPacket> rest_;
 };
 
-/// The points that were near each other at a state. Their faces are numbered, and so are they, face
-/// by face.
+/// The points that were near each other at a state: some faces, whose packets are numbered one
+/// after the other.
 struct ContactNeighbours {
   /// The state.
   NodalVector reference;
   std::vector<Index> faces;
-  /// The number of the first point of each face [faces + 1].
-  std::vector<std::uint32_t> first_point;
-  /// The point of the surface, and the number of its face [points].
-  std::vector<Index> points;
-  std::vector<std::uint32_t> face_of;
-  /// Where the others of each point begin [points + 1].
-  std::vector<std::size_t> first_other;
-  /// The points near each point that have a greater number, ascending.
-  std::vector<std::uint32_t> others;
+  /// The number of the first packet of each face [faces + 1].
+  std::vector<std::int32_t> first_packet;
+  /// Of each packet: the place of its face among these, and the packet of the surface [packets].
+  std::vector<std::int32_t> face_of;
+  std::vector<Index> packets;
+  /// As of NearPacketsView.
+  std::vector<std::size_t> first;
+  std::vector<std::size_t> first_greater;
+  std::vector<std::int32_t> others;
+  std::vector<std::uint64_t> allowed;
+
+  [[nodiscard]] std::size_t num_packets() const { return packets.size(); }
+  /// The point of the surface with a number.
+  [[nodiscard]] Index point(std::size_t number) const {
+    return packets[number / kPacketSize] * kPacketSize + static_cast<Index>(number % kPacketSize);
+  }
+  [[nodiscard]] NearPacketsView view() const {
+    return {static_cast<std::int32_t>(packets.size()), first.data(), first_greater.data(),
+            others.data(), allowed.data()};
+  }
 };
 
 /// @param distance How near, m.

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "assembly/cross_matrix.h"
 #include "assembly/loaded_faces.h"
 
 namespace palpate {
@@ -14,7 +13,24 @@ namespace {
 
 /// An edge is divided at most this often, however coarse a face is.
 constexpr int kMostDivisions = 8;
-constexpr double kPointsOfRule = 6;
+constexpr int kPointsOfRule = 6;
+static_assert(kPointsOfRule <= kPacketSize);
+
+/// The shapes of one triangle of a divided face. The last point fills up the packet.
+ShapePacket shapes_at(const FacePoint* points, int nodes_per_face) {
+  ShapePacket shapes{};
+  for (int i = 0; i < kPacketSize; ++i) {
+    const FacePoint& point = points[std::min(i, kPointsOfRule - 1)];
+    for (int a = 0; a < nodes_per_face; ++a) {
+      const double values[3] = {point.values[a], point.slopes(a, 0), point.slopes(a, 1)};
+      for (int k = 0; k < 3; ++k) {
+        shapes.of_nodes[a][k][i] = values[k];
+        shapes.at_points[i][k][a] = values[k];
+      }
+    }
+  }
+  return shapes;
+}
 
 }  // namespace
 
@@ -35,83 +51,71 @@ ContactPoints::ContactPoints(const Body& body, double spacing)
     if (rule.empty()) {
       rule = divided_quadrature(body.mesh.order, divisions);
       first_shape[divisions] = static_cast<Index>(shapes_.size());
-      for (const FacePoint& point : rule) {
-        Shape shape{};
-        for (int a = 0; a < nodes_per_face_; ++a) {
-          shape.values[a] = point.values[a];
-          shape.slopes_1[a] = point.slopes(a, 0);
-          shape.slopes_2[a] = point.slopes(a, 1);
-        }
-        shapes_.push_back(shape);
+      for (std::size_t p = 0; p < rule.size(); p += kPointsOfRule) {
+        shapes_.push_back(shapes_at(&rule[p], nodes_per_face_));
       }
     }
-    first_point_.push_back(num_points());
-    shape_of_face_.push_back(first_shape[divisions]);
+    first_shape_.push_back(first_shape[divisions]);
     part_.push_back(body.part_of(cells[f]));
     is_fixed_.push_back(
         std::all_of(face, face + nodes_per_face_, [&](Index p) { return body.fixed[p] != 0; }) ? 1
                                                                                                : 0);
-    for (const FacePoint& point : rule) {
-      areas_.push_back(area_at(point, places));
+    for (std::size_t p = 0; p < rule.size(); p += kPointsOfRule) {
+      for (int i = 0; i < kPointsOfRule; ++i) areas_.push_back(area_at(rule[p + i], places));
+      areas_.resize(areas_.size() + kPacketSize - kPointsOfRule, 0.0);
       face_of_.push_back(static_cast<Index>(f));
     }
-  }
-  first_point_.push_back(num_points());
-}
-
-PointFeatures ContactPoints::features(Index point, const NodalVector& state) const {
-  const Shape& shape = this->shape(point);
-  const Index* face = nodes(face_of_[point]);
-  PointFeatures at;
-  at.place.setZero();
-  at.tangent_1.setZero();
-  at.tangent_2.setZero();
-  for (int a = 0; a < nodes_per_face_; ++a) {
-    const Vec3 place = node_place(face[a], state);
-    at.place += shape.values[a] * place;
-    at.tangent_1 += shape.slopes_1[a] * place;
-    at.tangent_2 += shape.slopes_2[a] * place;
-  }
-  const Vec3 across = at.tangent_1.cross(at.tangent_2);
-  at.inverse_area = 1 / across.norm();
-  at.normal = at.inverse_area * across;
-  return at;
-}
-
-Vec3 ContactPoints::place(Index point, const NodalVector& state) const {
-  const Shape& shape = this->shape(point);
-  const Index* face = nodes(face_of_[point]);
-  Vec3 place = Vec3::Zero();
-  for (int a = 0; a < nodes_per_face_; ++a) place += shape.values[a] * node_place(face[a], state);
-  return place;
-}
-
-void ContactPoints::add_to_nodes(Index point, const PointFeatures& at, const Vec6& gradient,
-                                 NodalVector& of_nodes) const {
-  const Shape& shape = this->shape(point);
-  const Index* face = nodes(face_of_[point]);
-  const Vec3 by_place = gradient.head<3>();
-  const Vec3 by_normal = gradient.tail<3>();
-  const Vec3 across = at.inverse_area * (by_normal - at.normal.dot(by_normal) * at.normal);
-  const Vec3 by_1 = at.tangent_2.cross(across);
-  const Vec3 by_2 = across.cross(at.tangent_1);
-  for (int a = 0; a < nodes_per_face_; ++a) {
-    of_nodes.segment<3>(3 * Eigen::Index{face[a]}) +=
-        shape.values[a] * by_place + shape.slopes_1[a] * by_1 + shape.slopes_2[a] * by_2;
+    first_packet_.push_back(static_cast<Index>(face_of_.size()));
   }
 }
 
-ContactPoints::Slopes ContactPoints::slopes(Index point, const PointFeatures& at) const {
-  const Shape& shape = this->shape(point);
-  const Mat3 across = at.inverse_area * (Mat3::Identity() - at.normal * at.normal.transpose());
-  const Mat3 by_1 = -across * cross_matrix(at.tangent_2);
-  const Mat3 by_2 = across * cross_matrix(at.tangent_1);
-  Slopes slopes = Slopes::Zero();
-  for (int a = 0; a < nodes_per_face_; ++a) {
-    slopes.block<3, 3>(0, 3 * a).diagonal().setConstant(shape.values[a]);
-    slopes.block<3, 3>(3, 3 * a) = shape.slopes_1[a] * by_1 + shape.slopes_2[a] * by_2;
+struct ContactPoints::FaceList {
+  std::vector<Index> nodes;
+  std::vector<std::int32_t> first_packet;
+  std::vector<const ShapePacket*> shapes;
+  std::vector<const double*> areas;
+
+  [[nodiscard]] ContactFacesView view(int nodes_per_face) const {
+    return {static_cast<std::int32_t>(shapes.size()),
+            nodes_per_face,
+            nodes.data(),
+            first_packet.data(),
+            shapes.data(),
+            areas.data()};
   }
-  return slopes;
+};
+
+ContactPoints::FaceList ContactPoints::list(const std::vector<Index>& faces) const {
+  FaceList result;
+  result.first_packet.push_back(0);
+  for (const Index f : faces) {
+    const Index* of_face = nodes(f);
+    result.nodes.insert(result.nodes.end(), of_face, of_face + nodes_per_face_);
+    result.first_packet.push_back(result.first_packet.back() + first_packet(f + 1) -
+                                  first_packet(f));
+    result.shapes.push_back(shapes(f));
+    result.areas.push_back(&areas_[first_point(f)]);
+  }
+  return result;
+}
+
+void ContactPoints::take_features(const std::vector<Index>& faces, const NodalVector& state,
+                                  std::vector<PointPacket>& points) const {
+  const FaceList list = this->list(faces);
+  const NodalVector places =
+      Eigen::Map<const NodalVector>(rest_.front().data(),
+                                    3 * static_cast<Eigen::Index>(rest_.size())) +
+      state.head(3 * static_cast<Eigen::Index>(rest_.size()));
+  points.resize(static_cast<std::size_t>(list.first_packet.back()));
+  best_contact_kernels().features(list.view(nodes_per_face_), places.data(), points.data());
+}
+
+void ContactPoints::add_to_nodes(const std::vector<Index>& faces,
+                                 const std::vector<PointPacket>& points,
+                                 const std::vector<double>& gradient, NodalVector& of_nodes) const {
+  const FaceList list = this->list(faces);
+  best_contact_kernels().to_nodes(list.view(nodes_per_face_), points.data(), gradient.data(),
+                                  of_nodes.data());
 }
 
 Vec3 ContactPoints::corner_normal(Index face, int corner, const NodalVector& state) const {
@@ -123,38 +127,11 @@ Vec3 ContactPoints::corner_normal(Index face, int corner, const NodalVector& sta
   const Vec3 here = node_place(all[corner], state);
   Vec3 tangent_1 = node_place(all[next], state) - here;
   Vec3 tangent_2 = node_place(all[last], state) - here;
-  if (nodes_per_face_ == kMostNodes) {
+  if (nodes_per_face_ == kMostFaceNodes) {
     tangent_1 = 4 * (node_place(all[3 + corner], state) - here) - tangent_1;
     tangent_2 = 4 * (node_place(all[3 + last], state) - here) - tangent_2;
   }
   return tangent_1.cross(tangent_2).normalized();
-}
-
-void ContactPoints::add_curvature(Index point, const PointFeatures& at, const Vec3& by_normal,
-                                  FaceBlock& block) const {
-  const Shape& shape = this->shape(point);
-  // The second derivative of γ · a/|a| by a, and −[γ Dn]×, whose multiples are those of a = t₁ ×
-  // t₂.
-  const double along = by_normal.dot(at.normal);
-  const Mat3 outer = by_normal * at.normal.transpose();
-  const Mat3 by_a = at.inverse_area * at.inverse_area *
-                    (3 * along * at.normal * at.normal.transpose() - along * Mat3::Identity() -
-                     outer - outer.transpose());
-  const Mat3 turn = -at.inverse_area * cross_matrix(by_normal - along * at.normal);
-  const Mat3 cross_1 = -cross_matrix(at.tangent_2);
-  const Mat3 cross_2 = cross_matrix(at.tangent_1);
-  std::array<Mat3, kMostNodes> of_a;
-  for (int a = 0; a < nodes_per_face_; ++a) {
-    of_a[a] = shape.slopes_1[a] * cross_1 + shape.slopes_2[a] * cross_2;
-  }
-  for (int a = 0; a < nodes_per_face_; ++a) {
-    const Mat3 left = of_a[a].transpose() * by_a;
-    for (int b = 0; b < nodes_per_face_; ++b) {
-      const double turned =
-          shape.slopes_1[a] * shape.slopes_2[b] - shape.slopes_1[b] * shape.slopes_2[a];
-      block.block<3, 3>(3 * a, 3 * b) += left * of_a[b] + turned * turn;
-    }
-  }
 }
 
 }  // namespace palpate

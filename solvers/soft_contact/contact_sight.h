@@ -4,28 +4,51 @@
 
 #include <vector>
 
-#include "soft_contact/contact_pairs.h"
+#include "soft_contact/kernels.h"
 #include "soft_contact/soft_contact.h"
 
 namespace palpate {
 
-/// Two numbered points that see each other.
-struct SoftContact::FeltPair {
-  std::uint32_t i, j;
-  /// 1 − |r|²/ρ², and −n_i · n_j; both are positive.
-  double t, facing;
+/// The derivatives of the energy of each point by its sums.
+struct SoftContact::Jets {
+  std::vector<double> s, p, ss, ps, pp;
+
+  void resize(std::size_t num_points) {
+    for (std::vector<double>* values : {&s, &p, &ss, &ps, &pp}) values->resize(num_points);
+  }
+  void set(std::size_t point, const Jet& jet) {
+    s[point] = jet.s;
+    p[point] = jet.p;
+    ss[point] = jet.ss;
+    ps[point] = jet.ps;
+    pp[point] = jet.pp;
+  }
+  [[nodiscard]] JetView view() const {
+    return {s.data(), p.data(), ss.data(), ps.data(), pp.data()};
+  }
 };
 
+/// The packets are those of the neighbours.
 struct SoftContact::Sight {
   NodalVector state;
   /// ρ, or more.
   double reach = 0;
-  std::vector<PointFeatures> at;
-  std::vector<SeenPoint> seen;
-  std::vector<Sums> sums;
-  /// In the order of i, then of j [num_pairs]; what follows is left from earlier states.
-  std::vector<FeltPair> pairs;
-  std::size_t num_pairs = 0;
+  std::vector<PointPacket> points;
+  /// S and P of each point.
+  std::vector<double> s;
+  std::vector<double> p;
+  /// Which points have others in reach, as ContactKernels::sums() finds them.
+  std::vector<unsigned char> rows;
+  /// Of the last state that was evaluated.
+  Jets jets;
+  std::vector<double> gradient;
+
+  [[nodiscard]] std::size_t num_points() const { return s.size(); }
+  [[nodiscard]] Sums sums(std::size_t point) const { return {s[point], p[point]}; }
+  /// Whether a point is none that only fills up a packet.
+  [[nodiscard]] bool is_point(std::size_t number) const {
+    return points[number / kPacketSize].area[number % kPacketSize] > 0;
+  }
 };
 
 }  // namespace palpate

@@ -15,6 +15,7 @@
 #include "mesh/surface_tree.h"
 #include "soft_contact/contact_defaults.h"
 #include "soft_contact/contact_sight.h"
+#include "soft_contact/smooth_step.h"
 
 namespace palpate {
 namespace {
@@ -190,63 +191,33 @@ const ContactNeighbours& SoftContact::near(const NodalVector& state) const {
   return neighbours_.front();
 }
 
-const SoftContact::Sight& SoftContact::look(const NodalVector& state, double reach) const {
+SoftContact::Sight& SoftContact::look(const NodalVector& state, double reach) const {
   if (sight_ != nullptr && sight_->reach == reach && sight_->state == state) return *sight_;
   const ContactNeighbours& near = this->near(state);
   if (sight_ == nullptr) sight_ = std::make_unique<Sight>();
   Sight& sight = *sight_;
   sight.state = state;
   sight.reach = reach;
-  const std::size_t num_points = near.points.size();
-  sight.at.clear();
-  sight.seen.clear();
-  // Written in place: to append copies of such pairs takes as long as to find them.
-  if (sight.pairs.size() < near.others.size()) sight.pairs.resize(near.others.size());
-  std::size_t num_pairs = 0;
-  sight.sums.assign(num_points, Sums());
-  for (const Index p : near.points) {
-    const PointFeatures& at = sight.at.emplace_back(points_.features(p, state));
-    sight.seen.push_back({at.place, at.normal, points_.area(p)});
-  }
-  const double inverse = 1 / (reach * reach);
-  for (std::uint32_t i = 0; i < num_points; ++i) {
-    const SeenPoint& here = sight.seen[i];
-    Sums& of_i = sight.sums[i];
-    for (std::size_t k = near.first_other[i]; k < near.first_other[i + 1]; ++k) {
-      const std::uint32_t j = near.others[k];
-      const SeenPoint& there = sight.seen[j];
-      const Vec3 r = here.place - there.place;
-      const double t = 1 - r.squaredNorm() * inverse;
-      if (t <= 0) continue;
-      const double facing = -here.normal.dot(there.normal);
-      if (facing <= 0) continue;
-      FeltPair& pair = sight.pairs[num_pairs++];
-      pair.i = i;
-      pair.j = j;
-      pair.t = t;
-      pair.facing = facing;
-      const double t2 = t * t;
-      const double weight = t2 * t2 * facing_step(facing).value;
-      Sums& of_j = sight.sums[j];
-      of_i.s += there.area * weight;
-      of_i.p += there.area * weight * there.normal.dot(r);
-      of_j.s += here.area * weight;
-      of_j.p -= here.area * weight * here.normal.dot(r);
-    }
-  }
-  sight.num_pairs = num_pairs;
+  points_.take_features(near.faces, state, sight.points);
+  sight.s.resize(near.num_packets() * kPacketSize);
+  sight.p.resize(sight.s.size());
+  sight.rows.resize(near.others.size());
+  best_contact_kernels().sums(sight.points.data(), near.view(), reach, sight.s.data(),
+                              sight.p.data(), sight.rows.data());
   return sight;
 }
 
 bool SoftContact::acts(Index point, const Sums& sums, double further) const {
-  return is_covered(sums) && law_.acts_at(sums.gap() - offsets_[point] - further);
+  return points_.area(point) > 0 && is_covered(sums) &&
+         law_.acts_at(sums.gap() - offsets_[point] - further);
 }
 
 SoftContact::Jet SoftContact::energy_of(Index point, const Sums& sums) const {
   const double f = sums.gap();
   const ContactLaw::Jet psi = law_.evaluate(f - offsets_[point]);
   const double range = (1 - kNoCover) * least_sum_;
-  SmoothStep cover = smooth_step((sums.s - kNoCover * least_sum_) / range);
+  SmoothStep<double> cover =
+      smooth_step(std::clamp((sums.s - kNoCover * least_sum_) / range, 0.0, 1.0));
   cover.slope /= range;
   cover.curvature /= range * range;
   const double s = sums.s;
@@ -264,39 +235,34 @@ SoftContact::Jet SoftContact::energy_of(Index point, const Sums& sums) const {
   return jet;
 }
 
+double SoftContact::differentiate(Sight& sight) const {
+  const ContactNeighbours& near = neighbours_.front();
+  double energy = 0;
+  sight.jets.resize(sight.num_points());
+  for (std::size_t i = 0; i < sight.num_points(); ++i) {
+    const Sums sums = sight.sums(i);
+    if (sight.is_point(i) && has_passed_through(sums)) {
+      return std::numeric_limits<double>::infinity();
+    }
+    const Index point = near.point(i);
+    const Jet jet = acts(point, sums, 0) ? energy_of(point, sums) : Jet();
+    energy += jet.value;
+    sight.jets.set(i, jet);
+  }
+  sight.gradient.resize(6 * sight.num_points());
+  if (energy > 0) {
+    best_contact_kernels().gradient(sight.points.data(), near.view(), sight.reach,
+                                    sight.rows.data(), sight.jets.view(), sight.gradient.data());
+  }
+  return energy;
+}
+
 double SoftContact::add(const NodalVector& state, NodalVector& force,
                         std::vector<double>* /*values*/) const {
-  const Sight& sight = look(state, reach_);
-  const std::size_t num_points = sight.at.size();
-  double energy = 0;
-  std::vector<PairFactors> factors(num_points, PairFactors{0, 0});
-  for (std::size_t i = 0; i < num_points; ++i) {
-    const Sums& sums = sight.sums[i];
-    if (has_passed_through(sums)) return std::numeric_limits<double>::infinity();
-    const Index point = neighbours_.front().points[i];
-    if (!acts(point, sums, 0)) continue;
-    const Jet jet = energy_of(point, sums);
-    energy += jet.value;
-    factors[i] = {jet.s, jet.p};
-  }
-  if (energy == 0) return 0;
-  std::vector<Vec6> gradient(num_points, Vec6::Zero());
-  for (std::size_t p = 0; p < sight.num_pairs; ++p) {
-    const FeltPair& pair = sight.pairs[p];
-    const PairFactors& of_i = factors[pair.i];
-    const PairFactors& of_j = factors[pair.j];
-    if (of_i.by_p == 0 && of_j.by_p == 0) continue;
-    const SeenPoint& i = sight.seen[pair.i];
-    const SeenPoint& j = sight.seen[pair.j];
-    const CommonTerms common = common_terms(i, j, pair.t, pair.facing, reach_);
-    const PairGradient from_i = gradient_of(common, common.r, i, j, of_i);
-    const PairGradient from_j = gradient_of(common, -common.r, j, i, of_j);
-    gradient[pair.i] += from_i.i + from_j.j;
-    gradient[pair.j] += from_i.j + from_j.i;
-  }
-  for (std::size_t i = 0; i < num_points; ++i) {
-    if (gradient[i].isZero(0)) continue;
-    points_.add_to_nodes(neighbours_.front().points[i], sight.at[i], gradient[i], force);
+  Sight& sight = look(state, reach_);
+  const double energy = differentiate(sight);
+  if (energy > 0 && std::isfinite(energy)) {
+    points_.add_to_nodes(neighbours_.front().faces, sight.points, sight.gradient, force);
   }
   return energy;
 }
@@ -304,10 +270,10 @@ double SoftContact::add(const NodalVector& state, NodalVector& force,
 void SoftContact::set_offsets() {
   const NodalVector rest = NodalVector::Zero(3 * static_cast<Eigen::Index>(points_.rest().size()));
   const Sight& sight = look(rest, reach_);
-  for (std::size_t i = 0; i < sight.at.size(); ++i) {
-    const Sums& sums = sight.sums[i];
+  for (std::size_t i = 0; i < sight.num_points(); ++i) {
+    const Sums sums = sight.sums(i);
     if (!is_covered(sums)) continue;
-    offsets_[neighbours_.front().points[i]] = std::min(sums.gap(), law_.thickness) - law_.thickness;
+    offsets_[neighbours_.front().point(i)] = std::min(sums.gap(), law_.thickness) - law_.thickness;
   }
 }
 
@@ -410,10 +376,10 @@ std::vector<double> SoftContact::depths_of_faces(const NodalVector& state) const
 std::vector<SoftContact::AtPoint> SoftContact::points_in_reach(const NodalVector& state) const {
   const Sight& sight = look(state, reach_);
   std::vector<AtPoint> found;
-  for (std::size_t i = 0; i < sight.at.size(); ++i) {
-    const Sums& sums = sight.sums[i];
-    if (!is_covered(sums)) continue;
-    const Index point = neighbours_.front().points[i];
+  for (std::size_t i = 0; i < sight.num_points(); ++i) {
+    const Sums sums = sight.sums(i);
+    if (!sight.is_point(i) || !is_covered(sums)) continue;
+    const Index point = neighbours_.front().point(i);
     const double pressure = acts(point, sums, 0) ? energy_of(point, sums).pressure : 0;
     found.push_back({point, sums.gap(), pressure, sums.s / least_sum_});
   }
@@ -475,9 +441,9 @@ SoftContact::OnSurface SoftContact::on_surface(const NodalVector& state) const {
 double SoftContact::layer_energy(const NodalVector& state) const {
   const Sight& sight = look(state, reach_);
   double energy = 0;
-  for (std::size_t i = 0; i < sight.at.size(); ++i) {
-    const Sums& sums = sight.sums[i];
-    const Index point = neighbours_.front().points[i];
+  for (std::size_t i = 0; i < sight.num_points(); ++i) {
+    const Sums sums = sight.sums(i);
+    const Index point = neighbours_.front().point(i);
     if (!acts(point, sums, 0)) continue;
     const Jet jet = energy_of(point, sums);
     // From where the law begins to act, f falls by what is three times the energy for the pressure.

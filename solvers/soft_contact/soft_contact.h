@@ -105,15 +105,18 @@ class SoftContact final : public EnergyTerm {
     /// −ψ′ σ, Pa.
     double pressure = 0;
   };
-  struct FeltPair;
   struct Sight;
+  struct Jets;
   struct Coupling;
 
   /// The points near each other, at a state or one that differs little from it.
   [[nodiscard]] const ContactNeighbours& near(const NodalVector& state) const;
   /// What the points near each other see in a state. It is valid until the next call.
   /// @param reach ρ, or more.
-  [[nodiscard]] const Sight& look(const NodalVector& state, double reach) const;
+  [[nodiscard]] Sight& look(const NodalVector& state, double reach) const;
+  /// Sets the derivatives of the energy by the sums of each point, and by its place and normal.
+  /// @returns The energy, J; infinite: a point has passed through a surface.
+  [[nodiscard]] double differentiate(Sight& sight) const;
   /// @param further As of acts().
   [[nodiscard]] Coupling couple(const Sight& sight, double further) const;
   /// @param further How far beyond the thickness the law is taken to act, m.
