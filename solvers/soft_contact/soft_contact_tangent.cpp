@@ -19,8 +19,8 @@ namespace {
 
 /// Pairs that are near to being coupled have theirs at these times ρ, or where the law would act if
 /// it began this share of the thickness earlier.
-constexpr double kAround = 1.2;
-constexpr double kSooner = 0.3;
+constexpr double kAround = 1.1;
+constexpr double kSooner = 0.15;
 
 constexpr int kOfFace = 3 * kMostFaceNodes;
 
