@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sheets of cuts in the mesh of a real body.
+//
+//   palpate_benchmark_cut space.palpate [--planes 500] [--curved 200] [--seed 1] [--edge 0]
+//
+// Each sheet begins outside the body and ends at a random place within it, across a random
+// direction. Prints how many meshes are sound, what the others are refused for, the least angles
+// and how long it takes: a row of the table of README.md.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "arguments.h"
+#include "base/error.h"
+#include "cutting/sheet_mesh.h"
+#include "solvers/support/random.h"
+#include "storage/state_space_file.h"
+#include "table.h"
+
+namespace palpate {
+namespace {
+
+using benchmarks::seconds;
+
+/// The corners of a mesh, whose edges are straight.
+TetMesh corners_of(const TetMesh& mesh) {
+  TetMesh result;
+  std::vector<Index> number(mesh.points.size(), -1);
+  for (Index c = 0; c < mesh.num_cells(); ++c) {
+    for (int k = 0; k < 4; ++k) {
+      const Index point = mesh.cell(c)[k];
+      if (number[point] < 0) {
+        number[point] = result.num_points();
+        result.points.push_back(mesh.points[point]);
+      }
+      result.cells.push_back(number[point]);
+    }
+  }
+  return result;
+}
+
+/// A sheet that ends at a place, across a direction, and is bent.
+Sheet make_sheet(const Vec3& end, const Vec3& normal, const Vec3& along, const Vec3& bend,
+                 double size, double step) {
+  const Vec3 across = normal.cross(along);
+  const int n = std::max(1, static_cast<int>(std::ceil(size / step)));
+  std::vector<Vec3> points;
+  std::vector<std::array<Index, 3>> triangles;
+  std::vector<double> front;
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; j <= 2 * n; ++j) {
+      const double x = -size + size * i / n;
+      const double y = size * (j - n) / n;
+      const double z = bend[0] * x * x + bend[1] * x * y + bend[2] * y * y;
+      points.push_back(end + x * along + y * across + z * normal);
+      front.push_back(x);
+      if (i == n || j == 2 * n) continue;
+      const Index a = i * (2 * n + 1) + j;
+      const Index b = a + 2 * n + 1;
+      triangles.push_back({a, b, a + 1});
+      triangles.push_back({a + 1, b, b + 1});
+    }
+  }
+  return Sheet(std::move(points), std::move(triangles), std::move(front));
+}
+
+void run(const char* what, const TetMesh& mesh, int sheets, bool is_curved, double edge,
+         unsigned seed) {
+  test::Random random(seed);
+  BoxTree::Box box;
+  for (const Vec3& x : mesh.points) box.extend(x);
+  const double size = 1.2 * box.diagonal().norm();
+  int tried = 0, sound = 0, severed = 0;
+  std::map<std::string, int> refused;
+  std::vector<double> angles, cells;
+  double time = 0, longest = 0;
+  while (tried < sheets) {
+    const auto cell = static_cast<Index>(random.uniform(0, mesh.num_cells()));
+    Vec3 end = Vec3::Zero();
+    for (int k = 0; k < 4; ++k) end += 0.25 * mesh.points[mesh.cell(cell)[k]];
+    const Vec3 normal = Vec3(random.vector(3, 1)).normalized();
+    const Vec3 along = normal.cross(Vec3(random.vector(3, 1))).normalized();
+    // Radii of curvature from a third of the body's size.
+    const Vec3 bend = is_curved ? Vec3(random.vector(3, 1.5 / size)) : Vec3::Zero();
+    const Sheet sheet = make_sheet(end, normal, along, bend, size, is_curved ? 0.02 * size : size);
+    SheetOptions options;
+    options.edge = edge;
+    std::string problem;
+    SheetMesh cut;
+    const double taken = seconds([&] {
+      try {
+        cut = put_sheet(mesh, {}, sheet, options);
+      } catch (const InputError& error) {
+        problem = error.what();
+      }
+    });
+    if (problem.find("severs") != std::string::npos) {
+      ++severed;
+      continue;
+    }
+    ++tried;
+    time += taken;
+    longest = std::max(longest, taken);
+    if (problem.empty()) {
+      ++sound;
+      angles.push_back(cut.least_angle);
+      cells.push_back(cut.mesh.num_cells());
+    } else {
+      ++refused[problem.substr(0, 60)];
+    }
+  }
+  std::sort(angles.begin(), angles.end());
+  std::sort(cells.begin(), cells.end());
+  std::printf("| %s | %d | %d | %.1f | %d | %.1f, %.1f | %.0f of %d | %.2f, %.1f |\n", what, tried,
+              sound, 100.0 * sound / tried, severed, angles.empty() ? 0 : angles.front(),
+              angles.empty() ? 0 : angles[angles.size() / 2],
+              cells.empty() ? 0 : cells[cells.size() / 2], mesh.num_cells(), time / tried, longest);
+  for (const auto& [text, count] : refused) std::printf("  %d: %s\n", count, text.c_str());
+  std::fflush(stdout);
+}
+
+void run_all(const Arguments& arguments) {
+  const TetMesh mesh =
+      corners_of(StateSpaceFile::open_read_only(arguments.scene).read_scene().body.mesh);
+  std::printf("least angle of the mesh: %.1f\n", least_dihedral_angle(mesh));
+  std::puts(
+      "| sheets | tried | sound | % | severing, refused | least angle: least, median | cells | s: "
+      "mean, longest |\n|---|---|---|---|---|---|---|---|");
+  const auto seed = static_cast<unsigned>(arguments["seed"]);
+  run("planes", mesh, static_cast<int>(arguments["planes"]), false, arguments["edge"], seed);
+  run("curved", mesh, static_cast<int>(arguments["curved"]), true, arguments["edge"], seed + 1);
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  try {
+    palpate::run_all(palpate::Arguments(
+        argc, argv, {{"planes", 500}, {"curved", 200}, {"seed", 1}, {"edge", 0}}));
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "%s\n", problem.what());
+    return 1;
+  }
+  return 0;
+}
