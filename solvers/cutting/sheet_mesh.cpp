@@ -32,9 +32,10 @@ constexpr double kShareAfterMove = 0.6;
 /// A point that cannot be moved counts as one of the sheet if its edge is divided at less than
 /// this.
 constexpr double kBend = 0.15;
-/// A point of the surface is moved along it if that takes it off a face by less than this share of
-/// its way.
-constexpr double kOffSurface = 0.05;
+/// A point of a wall is moved along it if that takes it off a face by less than this share of the
+/// edge along which it moves; how far off it gets counts so many times as much as how far it moves.
+constexpr double kOffWall = 0.05;
+constexpr double kWeightOfOff = 20;
 /// The mesh follows the sheet so far beyond its border, in edges around.
 constexpr double kMargin = 1;
 /// An edge does not cross the sheet where that turns away before it is so near, in edges.
@@ -111,8 +112,8 @@ class SheetCutter {
   /// The share of the way from a to b at which an edge crosses the sheet; negative: it does not,
   /// or too far beyond the border.
   [[nodiscard]] double crossing(Index a, Index b) const;
-  /// Whether a point of a wall may move towards another one without changing the wall much.
-  [[nodiscard]] bool may_slide(Index point, Index other, double share) const;
+  /// How far a point of a wall leaves that on a share of the way to another one, in ways.
+  [[nodiscard]] double off_wall(Index point, Index other, double share) const;
   /// The least angle of the cells around a point if it were somewhere else.
   [[nodiscard]] double angle_around(Index point, const Vec3& place) const;
   /// Moves a point if the cells around it keep a good shape.
@@ -294,12 +295,11 @@ double SheetCutter::crossing(Index a, Index b) const {
   return share;
 }
 
-bool SheetCutter::may_slide(Index point, Index other, double share) const {
-  const Vec3 way = points_[other] - points_[point];
-  for (const Vec3& normal : wall_normals_[point]) {
-    if (share * std::abs(normal.dot(way)) > kOffSurface * way.norm()) return false;
-  }
-  return true;
+double SheetCutter::off_wall(Index point, Index other, double share) const {
+  const Vec3 way = (points_[other] - points_[point]).normalized();
+  double most = 0;
+  for (const Vec3& normal : wall_normals_[point]) most = std::max(most, std::abs(normal.dot(way)));
+  return share * most;
 }
 
 double SheetCutter::angle_around(Index point, const Vec3& place) const {
@@ -359,6 +359,7 @@ std::vector<EdgeKey> SheetCutter::all_edges() const {
 
 void SheetCutter::move_onto_sheet() {
   struct Candidate {
+    double cost;
     double share;
     Index point;
     Index other;
@@ -369,18 +370,22 @@ void SheetCutter::move_onto_sheet() {
     if (share < 0) continue;
     const bool is_wall_edge = wall_edges_.count({a, b}) != 0;
     const auto limit = [&](Index p) { return on_wall_[p] == 0 || is_wall_edge ? kSnap : kBend; };
-    if (share < limit(a)) candidates.push_back({share, a, b});
-    if (1 - share < limit(b)) candidates.push_back({1 - share, b, a});
+    const auto add = [&](double way, Index from, Index to) {
+      if (way >= limit(from)) return;
+      candidates.push_back({way + kWeightOfOff * off_wall(from, to, way), way, from, to});
+    };
+    add(share, a, b);
+    add(1 - share, b, a);
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return std::pair(a.share, a.point) < std::pair(b.share, b.point);
+    return std::pair(a.cost, a.point) < std::pair(b.cost, b.point);
   });
-  for (const auto& [share, point, other] : candidates) {
+  for (const auto& [cost, share, point, other] : candidates) {
     if (heights_[point] == 0 || would_flatten(point)) continue;
     bool is_moved = false;
     if (on_wall_[point] == 0) {
       is_moved = move(point, onto_sheet(points_[point]));
-    } else if (may_slide(point, other, share)) {
+    } else if (off_wall(point, other, share) <= kOffWall) {
       // The other point may have moved meanwhile.
       const double now = crossing(point, other);
       is_moved = now >= 0 && now < 0.5 &&
@@ -536,8 +541,8 @@ void SheetCutter::fit_fronts() {
       const auto& [point, other] = edge;
       const double share = share_of(edge);
       if (share < 0 || share > 0.5 || on_front_[point] != 0) continue;
-      if (on_wall_[point] != 0 &&
-          (wall_edges_.count(edge_of(point, other)) == 0 || !may_slide(point, other, share))) {
+      if (on_wall_[point] != 0 && (wall_edges_.count(edge_of(point, other)) == 0 ||
+                                   off_wall(point, other, share) > kOffWall)) {
         continue;
       }
       Vec3 place = points_[point] + share * (points_[other] - points_[point]);

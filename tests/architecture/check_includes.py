@@ -122,6 +122,7 @@ FILTER_ROOMS = {
     "segmentation": "base",
     "meshing": "mesh",
     "scene": "exploration",  # a scene goes from rank to rank as configurations do
+    "cutting": "exploration",
     "febio": "assembly",
     "tool": "dynamics",
     "solving": "exploration",

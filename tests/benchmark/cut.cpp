@@ -17,6 +17,7 @@
 #include "arguments.h"
 #include "base/error.h"
 #include "cutting/sheet_mesh.h"
+#include "cutting/straight_cells.h"
 #include "solvers/support/random.h"
 #include "storage/state_space_file.h"
 #include "table.h"
@@ -25,23 +26,6 @@ namespace palpate {
 namespace {
 
 using benchmarks::seconds;
-
-/// The corners of a mesh, whose edges are straight.
-TetMesh corners_of(const TetMesh& mesh) {
-  TetMesh result;
-  std::vector<Index> number(mesh.points.size(), -1);
-  for (Index c = 0; c < mesh.num_cells(); ++c) {
-    for (int k = 0; k < 4; ++k) {
-      const Index point = mesh.cell(c)[k];
-      if (number[point] < 0) {
-        number[point] = result.num_points();
-        result.points.push_back(mesh.points[point]);
-      }
-      result.cells.push_back(number[point]);
-    }
-  }
-  return result;
-}
 
 /// A sheet that ends at a place, across a direction, and is bent.
 Sheet make_sheet(const Vec3& end, const Vec3& normal, const Vec3& along, const Vec3& bend,
@@ -125,7 +109,7 @@ void run(const char* what, const TetMesh& mesh, int sheets, bool is_curved, doub
 
 void run_all(const Arguments& arguments) {
   const TetMesh mesh =
-      corners_of(StateSpaceFile::open_read_only(arguments.scene).read_scene().body.mesh);
+      straight_cells(StateSpaceFile::open_read_only(arguments.scene).read_scene().body.mesh);
   std::printf("least angle of the mesh: %.1f\n", least_dihedral_angle(mesh));
   std::puts(
       "| sheets | tried | sound | % | severing, refused | least angle: least, median | cells | s: "

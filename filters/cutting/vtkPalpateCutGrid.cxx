@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateCutGrid.h"
+
+#include <map>
+#include <vector>
+
+#include "cutting/edges.h"
+#include "cutting/straight_cells.h"
+#include "elements/tetrahedron.h"
+#include "vtkCellArray.h"
+#include "vtkCellData.h"
+#include "vtkCellType.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkIdList.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkUnstructuredGrid.h"
+
+namespace
+{
+using palpate::ElementOrder;
+using palpate::Index;
+using palpate::TetMesh;
+using palpate::Vec3;
+
+/// A place in a cell of the body before.
+struct InCell
+{
+  Index Cell = -1;
+  Eigen::Vector4d Weights;
+};
+
+/// Where the points of the closed mesh are in the body before: in one of the cells whose parts they
+/// belong to, or nearly so where they were moved.
+std::vector<InCell> FindPlaces(
+  const TetMesh& before, const TetMesh& closed, const std::vector<Index>& parents)
+{
+  std::vector<InCell> found(closed.points.size());
+  const int nodes = palpate::nodes_per_cell(closed.order);
+  for (Index c = 0; c < closed.num_cells(); ++c)
+  {
+    for (int k = 0; k < nodes; ++k)
+    {
+      const Index point = closed.cell(c)[k];
+      InCell& best = found[point];
+      if (best.Cell == parents[c])
+      {
+        continue;
+      }
+      const Eigen::Vector4d weights = palpate::weights_at(before, parents[c], closed.points[point]);
+      if (best.Cell < 0 || weights.minCoeff() > best.Weights.minCoeff())
+      {
+        best = { parents[c], weights };
+      }
+    }
+  }
+  return found;
+}
+
+vtkSmartPointer<vtkDoubleArray> FieldOf(const char* name, const std::vector<double>& values)
+{
+  auto array = vtkSmartPointer<vtkDoubleArray>::New();
+  array->SetName(name);
+  for (const double value : values)
+  {
+    array->InsertNextValue(value);
+  }
+  return array;
+}
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
+  vtkUnstructuredGrid* grid, const TetMesh& mesh, const palpate::SheetMesh& cut, int stage)
+{
+  const TetMesh closed =
+    mesh.order == ElementOrder::linear ? cut.mesh : palpate::with_middles(cut.mesh);
+  const palpate::OpenedMesh opened = palpate::open_mesh(closed, cut.faces, stage);
+  auto result = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  vtkNew<vtkPoints> places;
+  places->SetDataTypeToDouble();
+  for (const Vec3& x : opened.mesh.points)
+  {
+    places->InsertNextPoint(x.data());
+  }
+  result->SetPoints(places);
+  const int nodes = palpate::nodes_per_cell(mesh.order);
+  const int type = mesh.order == ElementOrder::linear ? VTK_TETRA : VTK_QUADRATIC_TETRA;
+  result->Allocate(opened.mesh.num_cells());
+  vtkNew<vtkIdList> ids;
+  const std::vector<InCell> places_before = FindPlaces(mesh, closed, cut.parents);
+  vtkCellData* cells = result->GetCellData();
+  cells->CopyGlobalIdsOff();
+  cells->CopyAllocate(grid->GetCellData(), opened.mesh.num_cells());
+  vtkNew<vtkIntArray> stages;
+  stages->SetName("CutStage");
+  stages->SetNumberOfComponents(4);
+  for (Index c = 0; c < opened.mesh.num_cells(); ++c)
+  {
+    ids->Reset();
+    for (int k = 0; k < nodes; ++k)
+    {
+      ids->InsertNextId(opened.mesh.cell(c)[k]);
+    }
+    result->InsertNextCell(type, ids);
+    cells->CopyData(grid->GetCellData(), cut.parents[c], c);
+    stages->InsertNextTypedTuple(cut.faces[c].data());
+  }
+  cells->AddArray(stages);
+
+  vtkPointData* points = result->GetPointData();
+  points->InterpolateAllocate(grid->GetPointData(), opened.mesh.num_points());
+  for (Index p = 0; p < opened.mesh.num_points(); ++p)
+  {
+    const Index original = p < closed.num_points() ? p : opened.originals[p - closed.num_points()];
+    const InCell& before = places_before[original];
+    ids->Reset();
+    for (int k = 0; k < nodes; ++k)
+    {
+      ids->InsertNextId(mesh.cell(before.Cell)[k]);
+    }
+    // Reference coordinates are the weights of the corners after the first.
+    Eigen::VectorXd weights = palpate::shape_values(mesh.order, Vec3(before.Weights.tail<3>()));
+    points->InterpolatePoint(grid->GetPointData(), p, ids, weights.data());
+  }
+  result->GetFieldData()->ShallowCopy(grid->GetFieldData());
+  result->GetFieldData()->AddArray(FieldOf("StageFront", cut.fronts));
+  result->GetFieldData()->AddArray(FieldOf("StageArea", cut.areas));
+  vtkNew<vtkIntArray> own;
+  own->SetName("Stage");
+  own->InsertNextValue(stage);
+  result->GetFieldData()->AddArray(own);
+  return result;
+}
+
+void vtkPalpateCutFaces(const palpate::SheetMesh& cut, vtkPolyData* faces)
+{
+  std::map<palpate::FaceKey, int> stages;
+  for (Index c = 0; c < cut.mesh.num_cells(); ++c)
+  {
+    for (int k = 0; k < 4; ++k)
+    {
+      if (cut.faces[c][k] > 0)
+      {
+        stages[palpate::face_opposite(cut.mesh.cell(c), k)] = cut.faces[c][k];
+      }
+    }
+  }
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkCellArray> triangles;
+  vtkNew<vtkIntArray> array;
+  array->SetName("CutStage");
+  std::map<Index, vtkIdType> number;
+  for (const auto& [face, stage] : stages)
+  {
+    triangles->InsertNextCell(3);
+    for (const Index p : face)
+    {
+      const auto [entry, isNew] = number.emplace(p, points->GetNumberOfPoints());
+      if (isNew)
+      {
+        points->InsertNextPoint(cut.mesh.points[p].data());
+      }
+      triangles->InsertCellPoint(entry->second);
+    }
+    array->InsertNextValue(stage);
+  }
+  faces->SetPoints(points);
+  faces->SetPolys(triangles);
+  faces->GetCellData()->SetScalars(array);
+}
