@@ -149,7 +149,6 @@ class SheetCutter {
   std::vector<char> on_sheet_;
   std::vector<char> on_front_;
   std::vector<double> fronts_;
-  double angle_before_ = 0;
 };
 
 void SheetCutter::take(const TetMesh& mesh, const std::vector<Index>& regions) {
@@ -162,7 +161,6 @@ void SheetCutter::take(const TetMesh& mesh, const std::vector<Index>& regions) {
     parents_.push_back(c);
   }
   regions_ = regions.empty() ? std::vector<Index>(cells_.size(), 0) : regions;
-  angle_before_ = least_dihedral_angle(mesh);
 }
 
 void SheetCutter::refine_near() {
@@ -203,9 +201,7 @@ void SheetCutter::refine_near() {
       parents.push_back(parents_[parent]);
       regions.push_back(regions_[parent]);
     }
-    const double before = angle_before_;
     take(finer.mesh, regions);
-    angle_before_ = before;
     parents_ = std::move(parents);
   }
 }
@@ -341,7 +337,8 @@ Vec3 SheetCutter::onto_front(Vec3 place, double front) const {
       const Vec3 way = step * Vec3::Unit(k);
       gradient[k] = (sheet_.at(place + way).front - sheet_.at(place - way).front) / (2 * step);
     }
-    place += missing / std::max(gradient.squaredNorm(), 1e-6) * gradient;
+    if (gradient.isZero(0)) break;
+    place += missing / gradient.squaredNorm() * gradient;
   }
   return place;
 }
@@ -385,7 +382,8 @@ void SheetCutter::move_onto_sheet() {
     bool is_moved = false;
     if (on_wall_[point] == 0) {
       is_moved = move(point, onto_sheet(points_[point]));
-    } else if (off_wall(point, other, share) <= kOffWall) {
+    } else if (wall_edges_.count(edge_of(point, other)) != 0 &&
+               off_wall(point, other, share) <= kOffWall) {
       // The other point may have moved meanwhile.
       const double now = crossing(point, other);
       is_moved = now >= 0 && now < 0.5 &&
@@ -499,7 +497,12 @@ void SheetCutter::find_sheet_faces() {
     ++sides[face][side > 0 ? 0 : 1];
   }
   for (const auto& [face, count] : sides) {
-    if (count[0] == 1 && count[1] == 1) add_sheet_face(face);
+    if (count[0] != 1 || count[1] != 1) continue;
+    // Points may be in the plane of the sheet far from it.
+    const auto& [a, b, c] = face;
+    const double size = std::max({longest_edge(a), longest_edge(b), longest_edge(c)});
+    const Vec3 middle = (points_[a] + points_[b] + points_[c]) / 3;
+    if (sheet_.at(middle).beyond <= kMargin * size) add_sheet_face(face);
   }
 }
 
@@ -549,7 +552,7 @@ void SheetCutter::fit_fronts() {
       if (on_wall_[point] == 0) place = onto_sheet(place);
       if (!move(point, place)) continue;
       front_of_[point] = front;
-      on_front_[point] = static_cast<char>(1);
+      on_front_[point] = 1;
     }
     std::vector<EdgeKey> crossed;
     for (const EdgeKey& edge : sheet_edges_) {
@@ -681,7 +684,11 @@ SheetMesh SheetCutter::run() {
     const std::optional<MeshFault> fault = find_any_fault(result);
     if (!fault || !fault->edge) break;
     const auto& [a, b] = *fault->edge;
-    (void)divide(a, b, 0.5 * (points_[a] + points_[b]));
+    const Index point = divide(a, b, 0.5 * (points_[a] + points_[b]));
+    if (on_front_[a] != 0 && on_front_[b] != 0 && front_of_[a] == front_of_[b]) {
+      on_front_[point] = 1;
+      front_of_[point] = front_of_[a];
+    }
     improve();
     result = finish();
   }
@@ -731,7 +738,7 @@ SheetMesh put_sheet(const TetMesh& mesh, const std::vector<Index>& regions, cons
     throw InputError("The sheet does not fit the mesh: " + fault->text +
                      ". Move the sheet a little, or make cells smaller near it.");
   }
-  if (result.least_angle < options.least_angle) {
+  if (result.least_angle < std::min(options.least_angle, least_dihedral_angle(mesh))) {
     throw InputError("The sheet leaves a cell with an angle of " +
                      std::to_string(result.least_angle) +
                      " degrees. Move the sheet a little, or make cells smaller near it.");
