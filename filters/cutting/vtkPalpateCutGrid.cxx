@@ -4,9 +4,9 @@
 #include <map>
 #include <vector>
 
-#include "cutting/edges.h"
 #include "cutting/straight_cells.h"
 #include "elements/tetrahedron.h"
+#include "mesh/cell_faces.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"

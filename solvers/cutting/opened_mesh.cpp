@@ -3,39 +3,17 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
 #include "base/quantity.h"
-#include "cutting/edges.h"
-#include "mesh/pieces.h"
+#include "mesh/cell_faces.h"
+#include "mesh/disjoint_sets.h"
 
 namespace palpate {
 namespace {
 
-/// A face of a cell, opposite to a corner.
-struct Face {
-  FaceKey corners;
-  Index cell;
-  int opposite;
-};
-
-/// The faces of all cells; those of two cells follow each other.
-std::vector<Face> faces_of(const TetMesh& mesh) {
-  std::vector<Face> faces;
-  faces.reserve(4 * static_cast<std::size_t>(mesh.num_cells()));
-  for (Index c = 0; c < mesh.num_cells(); ++c) {
-    for (int k = 0; k < 4; ++k) {
-      faces.push_back({face_opposite(mesh.cell(c), k), c, k});
-    }
-  }
-  std::sort(faces.begin(), faces.end(),
-            [](const Face& a, const Face& b) { return a.corners < b.corners; });
-  return faces;
-}
-
-bool is_open(const std::vector<OpenedFaces>& faces, const Face& face, int stage) {
+bool is_open(const std::vector<OpenedFaces>& faces, const CellFace& face, int stage) {
   const std::int32_t from = faces[face.cell][face.opposite];
   return from > 0 && from <= stage;
 }
@@ -48,26 +26,6 @@ EdgeKey longest_side(const TetMesh& mesh, const FaceKey& face) {
   return std::max({EdgeKey(a, b), EdgeKey(b, c), EdgeKey(a, c)},
                   [&](const EdgeKey& e, const EdgeKey& f) { return length(e) < length(f); });
 }
-
-/// Sets of numbers that are joined.
-class Groups {
- public:
-  explicit Groups(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t first_of(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::size_t a, std::size_t b) {
-    a = first_of(a);
-    b = first_of(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 struct Count {
   Index vertices = 0, edges = 0, faces = 0;
@@ -90,19 +48,19 @@ struct AroundPoint {
   /// @param on_circle Whether the edge to another point is on the surface.
   template <class OnCircle>
   [[nodiscard]] Index copies(const OnCircle& on_circle) const {
-    std::map<Index, std::size_t> number;  // the circle is the end 0
-    std::size_t num_ends = 1;
+    std::map<Index, Index> number;  // the circle is the end 0
+    Index num_ends = 1;
     for (const auto& arc : arcs) {
       for (const Index end : arc) {
         if (number.count(end) != 0) continue;
         number[end] = on_circle(end) ? 0 : num_ends++;
       }
     }
-    Groups groups(num_ends);
-    for (const auto& [a, b] : arcs) groups.join(number[a], number[b]);
+    DisjointSets sets(num_ends);
+    for (const auto& [a, b] : arcs) sets.join(number[a], number[b]);
     Index parts = 0;
-    for (std::size_t end = 0; end < num_ends; ++end) parts += groups.first_of(end) == end ? 1 : 0;
-    const auto balance = static_cast<Index>(arcs.size()) - static_cast<Index>(num_ends - 1);
+    for (Index end = 0; end < num_ends; ++end) parts += sets.root(end) == end ? 1 : 0;
+    const Index balance = static_cast<Index>(arcs.size()) - (num_ends - 1);
     // What is outside the circle is no region; without a surface there is no circle, but it counts
     // as a part: one less in either case.
     return balance + parts;
@@ -112,20 +70,22 @@ struct AroundPoint {
 }  // namespace
 
 OpenedMesh open_mesh(const TetMesh& mesh, const std::vector<OpenedFaces>& faces, int stage) {
-  const auto nodes = static_cast<std::size_t>(nodes_per_cell(mesh.order));
-  Groups groups(mesh.cells.size());
-  const std::vector<Face> all = faces_of(mesh);
+  const Index nodes = nodes_per_cell(mesh.order);
+  const auto num_nodes = static_cast<Index>(mesh.cells.size());
+  DisjointSets copies(num_nodes);
+  const std::vector<CellFace> all = sorted_faces(mesh);
   for (std::size_t i = 1; i < all.size(); ++i) {
-    const Face& a = all[i - 1];
-    const Face& b = all[i];
+    const CellFace& a = all[i - 1];
+    const CellFace& b = all[i];
     if (a.corners != b.corners || is_open(faces, a, stage)) continue;
     // All nodes that the two cells share are on this face.
-    const std::size_t first_a = nodes * static_cast<std::size_t>(a.cell);
-    const std::size_t first_b = nodes * static_cast<std::size_t>(b.cell);
-    for (std::size_t m = 0; m < nodes; ++m) {
-      for (std::size_t n = 0; n < nodes; ++n) {
-        if (mesh.cells[first_a + m] == mesh.cells[first_b + n])
-          groups.join(first_a + m, first_b + n);
+    const Index first_a = nodes * a.cell;
+    const Index first_b = nodes * b.cell;
+    for (Index m = 0; m < nodes; ++m) {
+      for (Index n = 0; n < nodes; ++n) {
+        if (mesh.cells[first_a + m] == mesh.cells[first_b + n]) {
+          copies.join(first_a + m, first_b + n);
+        }
       }
     }
   }
@@ -135,9 +95,9 @@ OpenedMesh open_mesh(const TetMesh& mesh, const std::vector<OpenedFaces>& faces,
   result.mesh.cells.resize(mesh.cells.size());
   // The first copy that is met keeps the number of the point.
   std::vector<char> is_taken(mesh.points.size(), 0);
-  for (std::size_t i = 0; i < mesh.cells.size(); ++i) {
+  for (Index i = 0; i < num_nodes; ++i) {
     const Index original = mesh.cells[i];
-    const std::size_t first = groups.first_of(i);
+    const Index first = copies.root(i);
     if (first != i) {
       result.mesh.cells[i] = result.mesh.cells[first];
     } else if (is_taken[original] == 0) {
@@ -195,7 +155,7 @@ std::optional<MeshFault> find_fault(const TetMesh& whole,
   std::map<Index, AroundPoint> points;
   std::set<Index> outside;
   Count added;
-  const std::vector<Face> all = faces_of(mesh);
+  const std::vector<CellFace> all = sorted_faces(mesh);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto& [a, b, c] = all[i].corners;
     const bool has_other = i + 1 < all.size() && all[i + 1].corners == all[i].corners;
@@ -245,7 +205,7 @@ std::optional<MeshFault> find_fault(const TetMesh& whole,
   const TetMesh closed = open_mesh(mesh, faces, 0).mesh;
   const Index expected = euler_characteristic(closed) + added.characteristic();
   const Index found = euler_characteristic(opened);
-  const std::vector<Face> after = faces_of(opened);
+  const std::vector<CellFace> after = sorted_faces(opened);
   for (std::size_t i = 1; i < after.size(); ++i) {
     const FaceKey& corners = after[i].corners;
     if (corners != after[i - 1].corners || !is_open(faces, after[i], stage)) continue;

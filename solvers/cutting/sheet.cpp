@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
-#include "cutting/edges.h"
+#include "mesh/cell_faces.h"
 
 namespace palpate {
 namespace {

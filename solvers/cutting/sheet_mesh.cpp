@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
-#include "cutting/edges.h"
+#include "mesh/cell_faces.h"
 #include "mesh/pieces.h"
 #include "mesh/refinement.h"
 
@@ -92,6 +92,8 @@ class SheetCutter {
   }
 
   SheetMesh run();
+  /// The mesh with one more point, in the middle of an edge. Call it after run().
+  SheetMesh divide_middle(const EdgeKey& edge);
 
  private:
   void take(const TetMesh& mesh, const std::vector<Index>& regions);
@@ -678,21 +680,18 @@ SheetMesh SheetCutter::run() {
   find_sheet_faces();
   fit_fronts();
   improve();
-  SheetMesh result = finish();
-  // An edge that opens between two points that do not is the only one there: it needs a third.
-  for (int i = 0; i < kMostRepairs; ++i) {
-    const std::optional<MeshFault> fault = find_any_fault(result);
-    if (!fault || !fault->edge) break;
-    const auto& [a, b] = *fault->edge;
-    const Index point = divide(a, b, 0.5 * (points_[a] + points_[b]));
-    if (on_front_[a] != 0 && on_front_[b] != 0 && front_of_[a] == front_of_[b]) {
-      on_front_[point] = 1;
-      front_of_[point] = front_of_[a];
-    }
-    improve();
-    result = finish();
+  return finish();
+}
+
+SheetMesh SheetCutter::divide_middle(const EdgeKey& edge) {
+  const auto& [a, b] = edge;
+  const Index point = divide(a, b, 0.5 * (points_[a] + points_[b]));
+  if (on_front_[a] != 0 && on_front_[b] != 0 && front_of_[a] == front_of_[b]) {
+    on_front_[point] = 1;
+    front_of_[point] = front_of_[a];
   }
-  return result;
+  improve();
+  return finish();
 }
 
 /// @throws InputError a part falls off.
@@ -727,14 +726,21 @@ double least_dihedral_angle(const TetMesh& mesh) {
 
 SheetMesh put_sheet(const TetMesh& mesh, const std::vector<Index>& regions, const Sheet& sheet,
                     const SheetOptions& options) {
-  SheetMesh result = SheetCutter(mesh, regions, sheet, options).run();
+  SheetCutter cutter(mesh, regions, sheet, options);
+  SheetMesh result = cutter.run();
+  // An edge that opens between two points that do not is the only one there: it needs a third.
+  std::optional<MeshFault> fault = find_any_fault(result);
+  for (int i = 0; i < kMostRepairs && fault && fault->edge; ++i) {
+    result = cutter.divide_middle(*fault->edge);
+    fault = find_any_fault(result);
+  }
   if (result.areas.back() == 0) {
     throw InputError(
         "The sheet opens no face of the body: it ends before its first front. Move it "
         "deeper into the body, or make its edges shorter.");
   }
   require_one_piece(mesh, result);
-  if (const auto fault = find_any_fault(result)) {
+  if (fault) {
     throw InputError("The sheet does not fit the mesh: " + fault->text +
                      ". Move the sheet a little, or make cells smaller near it.");
   }

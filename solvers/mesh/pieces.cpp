@@ -4,34 +4,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <sstream>
-#include <tuple>
 #include <utility>
+
+#include "mesh/cell_faces.h"
+#include "mesh/disjoint_sets.h"
 
 namespace palpate {
 namespace {
-
-/// Disjoint sets of numbers. The lowest number of each set represents it.
-class DisjointSets {
- public:
-  explicit DisjointSets(Index count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-
-  [[nodiscard]] Index root(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(Index a, Index b) {
-    const Index one = root(a);
-    const Index other = root(b);
-    parent_[std::max(one, other)] = std::min(one, other);
-  }
-
- private:
-  std::vector<Index> parent_;
-};
 
 /// @param set_of_cell The same number below `num_sets` for all cells of a piece, and for no others.
 template <class SetOfCell>
@@ -61,35 +41,8 @@ Pieces collect(const TetMesh& mesh, Index num_sets, SetOfCell&& set_of_cell) {
   return pieces;
 }
 
-struct Face {
-  /// The corners, ascending.
-  std::array<Index, 3> corners;
-  Index cell;
-  bool operator<(const Face& other) const {
-    return std::tie(corners, cell) < std::tie(other.corners, other.cell);
-  }
-};
-
-/// All faces of all cells; those that two cells share are neighbours.
-std::vector<Face> sorted_faces(const TetMesh& mesh) {
-  std::vector<Face> faces;
-  faces.reserve(static_cast<std::size_t>(mesh.num_cells()) * 4);
-  for (Index c = 0; c < mesh.num_cells(); ++c) {
-    for (int opposite = 0; opposite < 4; ++opposite) {
-      Face face{{}, c};
-      for (int a = 0, k = 0; a < 4; ++a) {
-        if (a != opposite) face.corners[k++] = mesh.cell(c)[a];
-      }
-      std::sort(face.corners.begin(), face.corners.end());
-      faces.push_back(face);
-    }
-  }
-  std::sort(faces.begin(), faces.end());
-  return faces;
-}
-
 /// Whether the cell is on that side of its face to which the normal of the sorted corners points.
-bool looks_up(const TetMesh& mesh, const Face& face) {
+bool looks_up(const TetMesh& mesh, const CellFace& face) {
   const Index* cell = mesh.cell(face.cell);
   const Index opposite = *std::find_if(cell, cell + 4, [&](Index p) {
     return std::find(face.corners.begin(), face.corners.end(), p) == face.corners.end();
@@ -111,7 +64,7 @@ Pieces find_pieces(const TetMesh& mesh) {
 }
 
 Pieces find_rigid_parts(const TetMesh& mesh) {
-  const std::vector<Face> faces = sorted_faces(mesh);
+  const std::vector<CellFace> faces = sorted_faces(mesh);
   DisjointSets cells(mesh.num_cells());
   for (std::size_t f = 1; f < faces.size(); ++f) {
     if (faces[f].corners == faces[f - 1].corners) cells.join(faces[f].cell, faces[f - 1].cell);
@@ -120,9 +73,9 @@ Pieces find_rigid_parts(const TetMesh& mesh) {
 }
 
 std::optional<Index> find_overlap(const TetMesh& mesh) {
-  const std::vector<Face> faces = sorted_faces(mesh);
+  const std::vector<CellFace> faces = sorted_faces(mesh);
   for (std::size_t f = 1; f < faces.size(); ++f) {
-    const Face& face = faces[f];
+    const CellFace& face = faces[f];
     if (face.corners != faces[f - 1].corners) continue;
     const bool is_third = f > 1 && face.corners == faces[f - 2].corners;
     if (is_third || looks_up(mesh, face) == looks_up(mesh, faces[f - 1])) return face.cell;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Edges and faces by the numbers of their points, as keys.
+// Edges and faces of cells by the numbers of their corners.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <utility>
+#include <vector>
 
-#include "base/types.h"
+#include "mesh/tet_mesh.h"
 
 namespace palpate {
 
@@ -14,6 +15,13 @@ namespace palpate {
 using EdgeKey = std::pair<Index, Index>;
 /// The three corners, ascending.
 using FaceKey = std::array<Index, 3>;
+
+/// A face of a cell, opposite to a corner.
+struct CellFace {
+  FaceKey corners;
+  Index cell;
+  int opposite;
+};
 
 [[nodiscard]] inline EdgeKey edge_of(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
@@ -28,5 +36,8 @@ using FaceKey = std::array<Index, 3>;
   std::sort(face.begin(), face.end());
   return face;
 }
+
+/// All faces of all cells; those that two cells share are neighbours, that of the first cell first.
+[[nodiscard]] std::vector<CellFace> sorted_faces(const TetMesh& mesh);
 
 }  // namespace palpate
