@@ -9,12 +9,12 @@
 #include "mesh/cell_faces.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
-#include "vtkCellType.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkIdList.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
+#include "vtkPalpateMeshGrid.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
@@ -79,18 +79,8 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
   const TetMesh closed =
     mesh.order == ElementOrder::linear ? cut.mesh : palpate::with_middles(cut.mesh);
   const palpate::OpenedMesh opened = palpate::open_mesh(closed, cut.faces, stage);
-  auto result = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  vtkNew<vtkPoints> places;
-  places->SetDataTypeToDouble();
-  for (const Vec3& x : opened.mesh.points)
-  {
-    places->InsertNextPoint(x.data());
-  }
-  result->SetPoints(places);
+  auto result = vtkPalpateGridFromMesh(opened.mesh);
   const int nodes = palpate::nodes_per_cell(mesh.order);
-  const int type = mesh.order == ElementOrder::linear ? VTK_TETRA : VTK_QUADRATIC_TETRA;
-  result->Allocate(opened.mesh.num_cells());
-  vtkNew<vtkIdList> ids;
   const std::vector<InCell> places_before = FindPlaces(mesh, closed, cut.parents);
   vtkCellData* cells = result->GetCellData();
   cells->CopyGlobalIdsOff();
@@ -100,12 +90,6 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
   stages->SetNumberOfComponents(4);
   for (Index c = 0; c < opened.mesh.num_cells(); ++c)
   {
-    ids->Reset();
-    for (int k = 0; k < nodes; ++k)
-    {
-      ids->InsertNextId(opened.mesh.cell(c)[k]);
-    }
-    result->InsertNextCell(type, ids);
     cells->CopyData(grid->GetCellData(), cut.parents[c], c);
     stages->InsertNextTypedTuple(cut.faces[c].data());
   }
@@ -113,6 +97,7 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
 
   vtkPointData* points = result->GetPointData();
   points->InterpolateAllocate(grid->GetPointData(), opened.mesh.num_points());
+  vtkNew<vtkIdList> ids;
   for (Index p = 0; p < opened.mesh.num_points(); ++p)
   {
     const Index original = p < closed.num_points() ? p : opened.originals[p - closed.num_points()];

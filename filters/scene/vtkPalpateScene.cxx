@@ -2,7 +2,6 @@
 #include "vtkPalpateScene.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <string>
 #include <utility>
@@ -10,7 +9,6 @@
 #include "assembly/loaded_faces.h"
 #include "base/error.h"
 #include "soft_contact/contact_defaults.h"
-#include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"
 #include "vtkDoubleArray.h"
@@ -20,9 +18,9 @@
 #include "vtkPalpateArrayCheck.h"
 #include "vtkPalpateBodyCells.h"
 #include "vtkPalpateMaterials.h"
+#include "vtkPalpateMeshGrid.h"
 #include "vtkPalpatePointChoice.h"
 #include "vtkPointData.h"
-#include "vtkPoints.h"
 #include "vtkSmartPointer.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkUnstructuredGrid.h"
@@ -353,29 +351,7 @@ palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid, palpate::Settle
 vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(
   const palpate::Scene& scene, const palpate::SettledBody& atRest)
 {
-  const palpate::TetMesh& mesh = scene.body.mesh;
-  auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(mesh.num_points());
-  for (Index point = 0; point < mesh.num_points(); ++point)
-  {
-    points->SetPoint(point, mesh.points[point].data());
-  }
-  grid->SetPoints(points);
-
-  const int nodesPerCell = palpate::nodes_per_cell(mesh.order);
-  vtkNew<vtkCellArray> cells;
-  cells->AllocateExact(mesh.num_cells(), static_cast<vtkIdType>(mesh.cells.size()));
-  for (Index cell = 0; cell < mesh.num_cells(); ++cell)
-  {
-    std::array<vtkIdType, 10> nodes{};
-    std::copy_n(mesh.cell(cell), nodesPerCell, nodes.begin());
-    cells->InsertNextCell(nodesPerCell, nodes.data());
-  }
-  grid->SetCells(
-    mesh.order == palpate::ElementOrder::linear ? VTK_TETRA : VTK_QUADRATIC_TETRA, cells);
-
+  auto grid = vtkPalpateGridFromMesh(scene.body.mesh);
   AddMaterials(grid, scene);
   vtkPalpateAddChoice(grid, vtkPalpateArray::Fixed, scene.body.fixed);
   vtkPalpateAddChoice(grid, vtkPalpateArray::Touchable, scene.body.touchable);

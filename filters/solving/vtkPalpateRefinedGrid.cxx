@@ -3,47 +3,17 @@
 
 #include "elements/tetrahedron.h"
 #include "vtkCellData.h"
-#include "vtkCellType.h"
 #include "vtkFieldData.h"
 #include "vtkIdList.h"
 #include "vtkNew.h"
+#include "vtkPalpateMeshGrid.h"
 #include "vtkPointData.h"
-#include "vtkPoints.h"
 #include "vtkUnstructuredGrid.h"
-
-namespace
-{
-void AddMesh(const palpate::TetMesh& mesh, vtkUnstructuredGrid* grid)
-{
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(mesh.num_points());
-  for (palpate::Index p = 0; p < mesh.num_points(); ++p)
-  {
-    points->SetPoint(p, mesh.points[p].data());
-  }
-  grid->SetPoints(points);
-  const int nodes = palpate::nodes_per_cell(mesh.order);
-  const int type = mesh.order == palpate::ElementOrder::linear ? VTK_TETRA : VTK_QUADRATIC_TETRA;
-  grid->Allocate(mesh.num_cells());
-  vtkNew<vtkIdList> ids;
-  for (palpate::Index c = 0; c < mesh.num_cells(); ++c)
-  {
-    ids->Reset();
-    for (int a = 0; a < nodes; ++a)
-    {
-      ids->InsertNextId(mesh.cell(c)[a]);
-    }
-    grid->InsertNextCell(type, ids);
-  }
-}
-}
 
 vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateRefinedGrid(
   vtkUnstructuredGrid* grid, const palpate::TetMesh& mesh, const palpate::Refinement& refinement)
 {
-  auto refined = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  AddMesh(refinement.mesh, refined);
+  auto refined = vtkPalpateGridFromMesh(refinement.mesh);
   refined->GetFieldData()->ShallowCopy(grid->GetFieldData());
 
   vtkCellData* cells = refined->GetCellData();
