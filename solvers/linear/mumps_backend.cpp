@@ -99,33 +99,34 @@ class MumpsBackend final : public Backend {
   [[nodiscard]] bool pivots() const override { return true; }
 
   void analyse(std::shared_ptr<const SymmetricPattern> pattern) override {
-    analyse(std::make_shared<const Plan>(make_plan(*pattern)));
+    take(std::make_shared<const Plan>(make_plan(*pattern)));
   }
 
   [[nodiscard]] std::unique_ptr<Backend> another() const override {
     auto other = std::make_unique<MumpsBackend>(team_);
-    if (plan_ != nullptr) other->analyse(plan_);
+    if (plan_ != nullptr) other->take(plan_);
     return other;
   }
 
   [[nodiscard]] std::unique_ptr<Backend> in_single_precision() const override {
     auto other = std::make_unique<MumpsBackend<SMUMPS_STRUC_C, float>>(team_);
-    if (plan_ != nullptr) other->analyse(plan_);
+    if (plan_ != nullptr) other->take(plan_);
     return other;
   }
 
-  void analyse(std::shared_ptr<const Plan> plan) {
+  void take(std::shared_ptr<const Plan> plan) {
     plan_ = std::move(plan);
+    is_analysed_ = false;
     mumps_.n = plan_->size;
     mumps_.nnz = static_cast<MUMPS_INT8>(plan_->rows.size());
     // MUMPS only reads these arrays, but its C interface is not const.
     mumps_.irn = const_cast<MUMPS_INT*>(plan_->rows.data());       // NOLINT
     mumps_.jcn = const_cast<MUMPS_INT*>(plan_->columns.data());    // NOLINT
     mumps_.perm_in = const_cast<MUMPS_INT*>(plan_->order.data());  // NOLINT
-    run(kAnalyse, "analyse the pattern of");
   }
 
   Pivots factorise(const std::vector<double>& values) override {
+    analyse_once();
     if constexpr (std::is_same_v<Real, double>) {
       mumps_.a = const_cast<double*>(values.data());  // NOLINT: read only, but the interface is C
     } else {
@@ -170,6 +171,7 @@ class MumpsBackend final : public Backend {
   [[nodiscard]] std::int64_t factor_bytes() const override {
     // INFOG(20) is the expected number and INFOG(29) the actual one; below zero they count
     // millions.
+    analyse_once();
     const std::int64_t entries = mumps_.infog[28] != 0 ? mumps_.infog[28] : mumps_.infog[19];
     return (entries < 0 ? -1'000'000 * entries : entries) * static_cast<std::int64_t>(sizeof(Real));
   }
@@ -177,7 +179,15 @@ class MumpsBackend final : public Backend {
  private:
   MUMPS_INT& icntl(int number) { return mumps_.icntl[number - 1]; }
 
-  void run(MumpsJob job, const char* what) {
+  /// Which of several instances for a pattern are used, and in which precision, is known only when
+  /// they have something to factorise.
+  void analyse_once() const {
+    if (is_analysed_) return;
+    run(kAnalyse, "analyse the pattern of");
+    is_analysed_ = true;
+  }
+
+  void run(MumpsJob job, const char* what) const {
     team_->run(job, instance_, mumps_);
     if (mumps_.infog[0] < 0) fail(what);
   }
@@ -198,7 +208,9 @@ class MumpsBackend final : public Backend {
 
   std::shared_ptr<MumpsTeam> team_;
   int instance_;
-  Mumps mumps_{};
+  /// MUMPS keeps its factors in it.
+  mutable Mumps mumps_{};
+  mutable bool is_analysed_ = false;
   std::shared_ptr<const Plan> plan_;
   /// Arrays for MUMPS in single precision.
   std::vector<Real> values_;

@@ -2,7 +2,9 @@
 #include "soft_contact/contact_defaults.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
+#include <queue>
 #include <utility>
 
 namespace palpate {
@@ -10,18 +12,73 @@ namespace {
 
 constexpr double kThicknessOfEdge = 0.2;
 constexpr double kStiffnessOfModulus = 2;
+/// How much an edge grows on the way to the next, as a share of that. Meshers take 0.2 to 0.5.
+constexpr double kGrowth = 0.3;
+
+double mean_edge(const TetMesh& mesh, const std::array<Index, 3>& triangle) {
+  double sum = 0;
+  for (int a = 0; a < 3; ++a) {
+    sum += (mesh.points[triangle[a]] - mesh.points[triangle[(a + 1) % 3]]).norm();
+  }
+  return sum / 3;
+}
+
+/// Makes sizes smaller so that from point to point they grow by no more than kGrowth of the way
+/// along the edges.
+void limit_growth(const TetMesh& mesh, const std::vector<std::array<Index, 3>>& triangles,
+                  std::vector<double>& sizes) {
+  std::vector<std::vector<Index>> neighbours(sizes.size());
+  for (const auto& triangle : triangles) {
+    for (int a = 0; a < 3; ++a) neighbours[triangle[a]].push_back(triangle[(a + 1) % 3]);
+  }
+  using SizeAt = std::pair<double, Index>;
+  std::priority_queue<SizeAt, std::vector<SizeAt>, std::greater<>> least_first;
+  for (std::size_t p = 0; p < sizes.size(); ++p) {
+    if (!neighbours[p].empty()) least_first.emplace(sizes[p], static_cast<Index>(p));
+  }
+  while (!least_first.empty()) {
+    const auto [size, point] = least_first.top();
+    least_first.pop();
+    if (size > sizes[point]) continue;
+    for (const Index next : neighbours[point]) {
+      const double most = size + kGrowth * (mesh.points[next] - mesh.points[point]).norm();
+      if (most >= sizes[next]) continue;
+      sizes[next] = most;
+      least_first.emplace(most, next);
+    }
+  }
+}
 
 }  // namespace
 
 double mean_surface_edge(const TetMesh& mesh) {
   double sum = 0;
   const std::vector<std::array<Index, 3>> triangles = boundary_triangles(mesh);
+  for (const auto& triangle : triangles) sum += mean_edge(mesh, triangle);
+  return sum / static_cast<double>(triangles.size());
+}
+
+std::vector<double> local_surface_edges(const TetMesh& mesh, double most) {
+  const std::vector<std::array<Index, 3>> triangles = boundary_triangles(mesh);
+  std::vector<double> sums(mesh.points.size(), 0);
+  std::vector<int> counts(mesh.points.size(), 0);
   for (const auto& triangle : triangles) {
-    for (int a = 0; a < 3; ++a) {
-      sum += (mesh.points[triangle[a]] - mesh.points[triangle[(a + 1) % 3]]).norm();
+    for (const Index point : triangle) {
+      sums[point] += mean_edge(mesh, triangle);
+      ++counts[point];
     }
   }
-  return sum / (3 * static_cast<double>(triangles.size()));
+  std::vector<double> of_points(mesh.points.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t p = 0; p < of_points.size(); ++p) {
+    if (counts[p] > 0) of_points[p] = std::min(sums[p] / counts[p], most);
+  }
+  limit_growth(mesh, triangles, of_points);
+  std::vector<double> edges;
+  edges.reserve(triangles.size());
+  for (const auto& [a, b, c] : triangles) {
+    edges.push_back((of_points[a] + of_points[b] + of_points[c]) / 3);
+  }
+  return edges;
 }
 
 double usual_contact_thickness(const TetMesh& mesh) {

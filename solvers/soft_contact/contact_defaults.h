@@ -2,12 +2,19 @@
 // The law of contact between parts where the user gives none.
 #pragma once
 
+#include <vector>
+
 #include "assembly/scene.h"
 
 namespace palpate {
 
 /// The mean edge of the triangles of the surface's corners, m.
 [[nodiscard]] double mean_surface_edge(const TetMesh& mesh);
+
+/// The edge of the triangles around each face of the surface, m [boundary_faces()]: the mean at its
+/// points, smaller where the surface is much finer nearby.
+/// @param most No edge is taken to be longer than this, m.
+[[nodiscard]] std::vector<double> local_surface_edges(const TetMesh& mesh, double most);
 
 /// A fifth of the mean edge of the surface, m: the mesh does not resolve a thinner layer.
 [[nodiscard]] double usual_contact_thickness(const TetMesh& mesh);

@@ -57,27 +57,29 @@ std::vector<Index> all_faces(const ContactPoints& points) {
 
 }  // namespace
 
-TouchRule::TouchRule(const ContactPoints& points, bool with_themselves, double reach)
-    : points_(points), with_themselves_(with_themselves), reach_(reach) {
+TouchRule::TouchRule(const ContactPoints& points, bool with_themselves)
+    : points_(points), with_themselves_(with_themselves) {
   if (!with_themselves) return;
   const NodalVector none = NodalVector::Zero(3 * static_cast<Eigen::Index>(points.rest().size()));
   points.take_features(all_faces(points), none, rest_);
 }
 
 bool TouchRule::are_two_sides(Index point, Index other) const {
-  if (points_.part(points_.face_of(point)) != points_.part(points_.face_of(other))) return false;
+  const Index face = points_.face_of(point);
+  const Index other_face = points_.face_of(other);
+  if (points_.part(face) != points_.part(other_face)) return false;
   const PointPacket& here = rest_[point / kPacketSize];
   const PointPacket& there = rest_[other / kPacketSize];
   const int i = point % kPacketSize;
   const int j = other % kPacketSize;
   const Vec3 r = at(here.place, i) - at(there.place, j);
   const double distance = r.norm();
-  if (distance > kSameNeighbourhood * reach_) return false;
+  if (distance > kSameNeighbourhood * points_.reach(face, other_face)) return false;
   return std::min(at(there.normal, j).dot(r), -at(here.normal, i).dot(r)) < -kBehind * distance;
 }
 
 ContactNeighbours find_neighbours(const ContactPoints& points, const TouchRule& rule,
-                                  const NodalVector& state, double distance) {
+                                  const NodalVector& state, double further) {
   ContactNeighbours found;
   found.reference = state;
   const auto num_faces = static_cast<std::size_t>(points.num_faces());
@@ -91,8 +93,8 @@ ContactNeighbours find_neighbours(const ContactPoints& points, const TouchRule& 
       boxes[f].extend(Vec3::Map(all[p].high));
     }
   }
+  const double longest = *std::max_element(points.reaches().begin(), points.reaches().end());
   const BoxTree tree(boxes);
-  const double most = distance * distance;
   // Which points of two packets that are near each other may touch.
   const auto compare = [&](Index face, Index packet, Index other_face, Index other) {
     if (points.part(face) != points.part(other_face)) return kAllAllowed;
@@ -111,8 +113,8 @@ ContactNeighbours find_neighbours(const ContactPoints& points, const TouchRule& 
   std::vector<Index> others;
   for (Index f = 0; f < points.num_faces(); ++f) {
     BoxTree::Box box = boxes[f];
-    box.min().array() -= distance;
-    box.max().array() += distance;
+    box.min().array() -= longest + further;
+    box.max().array() += longest + further;
     others.clear();
     tree.for_overlapping(box, [&](Index place) {
       const Index other = tree.order()[place];
@@ -122,8 +124,9 @@ ContactNeighbours find_neighbours(const ContactPoints& points, const TouchRule& 
     });
     for (Index p = points.first_packet(f); p < points.first_packet(f + 1); ++p) {
       for (const Index other : others) {
+        const double most = points.reach(f, other) + further;
         for (Index q = points.first_packet(other); q < points.first_packet(other + 1); ++q) {
-          if (distance_of_boxes(all[p], all[q]) >= most) continue;
+          if (distance_of_boxes(all[p], all[q]) >= most * most) continue;
           const std::uint64_t allowed = compare(f, p, other, q);
           if (allowed == 0) continue;
           pairs.push_back({p, q, allowed});

@@ -15,7 +15,7 @@ namespace palpate {
 class TouchRule {
  public:
   /// @param points They must outlive this object.
-  TouchRule(const ContactPoints& points, bool with_themselves, double reach);
+  TouchRule(const ContactPoints& points, bool with_themselves);
 
   [[nodiscard]] bool may_touch(Index face, Index other) const {
     if (face == other || (points_.is_fixed(face) && points_.is_fixed(other))) return false;
@@ -28,7 +28,6 @@ class TouchRule {
  private:
   const ContactPoints& points_;
   bool with_themselves_;
-  double reach_;
   /// The points at rest; empty where no part touches itself.
   std::vector<PointPacket> rest_;
 };
@@ -61,8 +60,8 @@ struct ContactNeighbours {
   }
 };
 
-/// @param distance How near, m.
+/// @param further How much farther than ρ they may be from each other, m.
 [[nodiscard]] ContactNeighbours find_neighbours(const ContactPoints& points, const TouchRule& rule,
-                                                const NodalVector& state, double distance);
+                                                const NodalVector& state, double further);
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "assembly/loaded_faces.h"
 
@@ -34,8 +35,11 @@ ShapePacket shapes_at(const FacePoint* points, int nodes_per_face) {
 
 }  // namespace
 
-ContactPoints::ContactPoints(const Body& body, double spacing)
-    : nodes_per_face_(palpate::nodes_per_face(body.mesh.order)), rest_(body.mesh.points) {
+ContactPoints::ContactPoints(const Body& body, const std::vector<double>& spacings,
+                             std::vector<double> reaches)
+    : nodes_per_face_(palpate::nodes_per_face(body.mesh.order)),
+      rest_(body.mesh.points),
+      reaches_(std::move(reaches)) {
   std::vector<Index> cells;
   nodes_ = boundary_faces(body.mesh, &cells);
   std::map<int, Index> first_shape;
@@ -45,7 +49,7 @@ ContactPoints::ContactPoints(const Body& body, double spacing)
     const Eigen::Matrix3Xd places = places_of_face(body.mesh, face);
     const double area =
         0.5 * (places.col(1) - places.col(0)).cross(places.col(2) - places.col(0)).norm();
-    const double wanted = std::round(std::sqrt(area / kPointsOfRule) / spacing);
+    const double wanted = std::round(std::sqrt(area / kPointsOfRule) / spacings[f]);
     const int divisions = static_cast<int>(std::clamp(wanted, 1.0, double{kMostDivisions}));
     std::vector<FacePoint>& rule = rules[divisions];
     if (rule.empty()) {
@@ -74,6 +78,7 @@ struct ContactPoints::FaceList {
   std::vector<std::int32_t> first_packet;
   std::vector<const ShapePacket*> shapes;
   std::vector<const double*> areas;
+  std::vector<double> reaches;
 
   [[nodiscard]] ContactFacesView view(int nodes_per_face) const {
     return {static_cast<std::int32_t>(shapes.size()),
@@ -81,7 +86,8 @@ struct ContactPoints::FaceList {
             nodes.data(),
             first_packet.data(),
             shapes.data(),
-            areas.data()};
+            areas.data(),
+            reaches.data()};
   }
 };
 
@@ -95,6 +101,7 @@ ContactPoints::FaceList ContactPoints::list(const std::vector<Index>& faces) con
                                   first_packet(f));
     result.shapes.push_back(shapes(f));
     result.areas.push_back(&areas_[first_point(f)]);
+    result.reaches.push_back(reaches_[f]);
   }
   return result;
 }

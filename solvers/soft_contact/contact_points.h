@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
 #include "assembly/body.h"
@@ -17,8 +18,9 @@ namespace palpate {
 class ContactPoints {
  public:
   /// Takes the faces of the boundary.
-  /// @param spacing The mean distance of the points on a face, roughly, m.
-  ContactPoints(const Body& body, double spacing);
+  /// @param spacings The mean distance of the points on each face, roughly, m [boundary_faces()].
+  /// @param reaches ρ of each face, m.
+  ContactPoints(const Body& body, const std::vector<double>& spacings, std::vector<double> reaches);
 
   [[nodiscard]] int nodes_per_face() const { return nodes_per_face_; }
   [[nodiscard]] Index num_faces() const { return static_cast<Index>(part_.size()); }
@@ -38,6 +40,14 @@ class ContactPoints {
   [[nodiscard]] const ShapePacket* shapes(Index face) const { return &shapes_[first_shape_[face]]; }
   /// The part of the body that a face belongs to.
   [[nodiscard]] Index part(Index face) const { return part_[face]; }
+  /// ρ of each face, m [num_faces()].
+  [[nodiscard]] const std::vector<double>& reaches() const { return reaches_; }
+  [[nodiscard]] double reach(Index face) const { return reaches_[face]; }
+  /// ρ of the points of two faces: the larger one, so that the finer face finds the points of the
+  /// coarser one.
+  [[nodiscard]] double reach(Index face, Index other) const {
+    return std::max(reaches_[face], reaches_[other]);
+  }
   /// Whether no node of a face can move.
   [[nodiscard]] bool is_fixed(Index face) const { return is_fixed_[face] != 0; }
   /// The area at rest of a point, m²; 0: it fills up a packet.
@@ -73,6 +83,7 @@ class ContactPoints {
   std::vector<Index> nodes_;
   std::vector<Index> part_;
   std::vector<char> is_fixed_;
+  std::vector<double> reaches_;
   std::vector<Index> first_packet_{0};
   /// By packets.
   std::vector<Index> face_of_;

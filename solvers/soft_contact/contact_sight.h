@@ -31,8 +31,8 @@ struct SoftContact::Jets {
 /// The packets are those of the neighbours.
 struct SoftContact::Sight {
   NodalVector state;
-  /// ρ, or more.
-  double reach = 0;
+  /// Up to how many ρ points see each other.
+  double around = 0;
   std::vector<PointPacket> points;
   /// S and P of each point.
   std::vector<double> s;

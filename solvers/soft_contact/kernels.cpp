@@ -59,6 +59,12 @@ struct Row {
   bool fully;
 };
 
+/// 1/ρ² of the points of two packets.
+[[gnu::always_inline]] inline double inverse_squared(const PointPacket& here,
+                                                     const PointPacket& there, double around) {
+  return std::min(here.inverse_reach_squared, there.inverse_reach_squared) / (around * around);
+}
+
 /// @param inverse 1/ρ².
 /// @returns Whether one is in reach.
 [[gnu::always_inline]] inline bool look(const PointPacket& here, int i, const PointPacket& there,
@@ -143,13 +149,13 @@ void features(const ContactFacesView& faces, const double* places, PointPacket* 
       }
       inverse.store(packet.inverse_norm);
       Packet::load(faces.areas[f] + (p - first) * kPacketSize).store(packet.area);
+      packet.inverse_reach_squared = 1 / (faces.reaches[f] * faces.reaches[f]);
     }
   }
 }
 
-void sums(const PointPacket* points, const NearPacketsView& near, double reach, double* s,
+void sums(const PointPacket* points, const NearPacketsView& near, double around, double* s,
           double* p, unsigned char* rows) {
-  const double inverse = 1 / (reach * reach);
   for (std::int64_t k = 0; k < std::int64_t{near.num_packets} * kPacketSize; ++k) s[k] = p[k] = 0;
   for (std::int32_t packet = 0; packet < near.num_packets; ++packet) {
     const PointPacket& here = points[packet];
@@ -159,6 +165,7 @@ void sums(const PointPacket* points, const NearPacketsView& near, double reach, 
     for (std::size_t k = near.first_greater[packet]; k < near.first[packet + 1]; ++k) {
       const std::int32_t other = near.others[k];
       const PointPacket& there = points[other];
+      const double inverse = inverse_squared(here, there, around);
       Packet s_there = 0.0;
       Packet p_there = 0.0;
       rows[k] = 0;
@@ -168,7 +175,7 @@ void sums(const PointPacket* points, const NearPacketsView& near, double reach, 
         if (!look(here, i, there, inverse, row)) return;
         rows[k] = static_cast<unsigned char>(rows[k] | 1U << i);
         const Packet t2 = row.t * row.t;
-        Packet weight = t2 * t2;
+        Packet weight = inverse * (t2 * t2);
         if (!row.fully) weight *= smooth_step(row.facing).value;
         forbid(allowed_row(near.allowed[k], i), weight);
         Packet from_here = 0.0;
@@ -199,9 +206,8 @@ void sums(const PointPacket* points, const NearPacketsView& near, double reach, 
   return positive_bits(-Packet::load(jet.by_p + std::int64_t{packet} * kPacketSize)) != 0;
 }
 
-void gradient(const PointPacket* points, const NearPacketsView& near, double reach,
-              const unsigned char* rows, const JetView& jet, double* gradient) {
-  const double inverse = 1 / (reach * reach);
+void gradient(const PointPacket* points, const NearPacketsView& near, const unsigned char* rows,
+              const JetView& jet, double* gradient) {
   const std::int64_t size = 6 * kPacketSize;
   for (std::int64_t k = 0; k < near.num_packets * size; ++k) gradient[k] = 0;
   for (std::int32_t packet = 0; packet < near.num_packets; ++packet) {
@@ -218,6 +224,7 @@ void gradient(const PointPacket* points, const NearPacketsView& near, double rea
       const bool acts_there = acts(jet, other);
       if (rows[k] == 0 || (!acts_here && !acts_there)) continue;
       const PointPacket& there = points[other];
+      const double inverse = inverse_squared(here, there, 1);
       const Packet s_there = Packet::load(jet.by_s + std::int64_t{other} * kPacketSize);
       const Packet p_there = Packet::load(jet.by_p + std::int64_t{other} * kPacketSize);
       Packet of_there[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
@@ -226,8 +233,8 @@ void gradient(const PointPacket* points, const NearPacketsView& near, double rea
         Row row;
         if ((by_p[i] == 0 && !acts_there) || !look(here, i, there, inverse, row)) return;
         const Packet t2 = row.t * row.t;
-        Packet kernel = t2 * t2;
-        Packet by_r = (-8 * inverse) * (t2 * row.t);
+        Packet kernel = inverse * (t2 * t2);
+        Packet by_r = (-8 * inverse * inverse) * (t2 * row.t);
         const unsigned allowed = allowed_row(near.allowed[k], i);
         forbid(allowed, kernel);
         forbid(allowed, by_r);
@@ -319,13 +326,13 @@ void to_nodes(const ContactFacesView& faces, const PointPacket* points, const do
   }
 }
 
-void find_seen(const PointPacket* points, const NearPacketsView& near, double reach,
+void find_seen(const PointPacket* points, const NearPacketsView& near, double around,
                const char* acts, char* seen) {
-  const double inverse = 1 / (reach * reach);
   for (std::int32_t packet = 0; packet < near.num_packets; ++packet) {
     for (std::size_t k = near.first[packet]; k < near.first[packet + 1]; ++k) {
       seen[k] = 0;
       const PointPacket& there = points[near.others[k]];
+      const double inverse = inverse_squared(points[packet], there, around);
       for_each_bit(rows_near(points[packet], there, inverse), [&](int i) {
         Row row;
         if (seen[k] != 0 || acts[std::int64_t{packet} * kPacketSize + i] == 0 ||
@@ -399,7 +406,7 @@ struct OfSums {
                                             Crossed& crossed, OfSums& of_sums, bool& normal_too) {
   const double by_s = jet.by_s[number];
   const double by_p = jet.by_p[number];
-  Packet area = at(there.area);
+  Packet area = inverse * at(there.area);
   forbid(allowed, area);
   const SmoothStep<Packet> step = smooth_step(row.facing);
   const Packet t2 = row.t * row.t;
@@ -573,9 +580,8 @@ void add_block(const double (&block)[kMostFaceNodes][kBlock][kPacketSize], int n
   }
 }
 
-void couple(const ContactGroupView& group, const PointPacket* points, double reach,
-            const JetView& jet, CurvaturePacket* curvature, double* room, double* matrix) {
-  const double inverse = 1 / (reach * reach);
+void couple(const ContactGroupView& group, const PointPacket* points, const JetView& jet,
+            CurvaturePacket* curvature, double* room, double* matrix) {
   const auto size = static_cast<std::int64_t>(clique_rows(group.num_nodes));
   const int per_face = group.nodes_per_face;
   const PointPacket& here = points[group.packet];
@@ -617,6 +623,7 @@ void couple(const ContactGroupView& group, const PointPacket* points, double rea
       bool any = false;
       for (std::int32_t e = k; e < end; ++e) {
         const PointPacket& there = points[group.seen[e]];
+        const double inverse = inverse_squared(here, there, 1);
         Row row;
         if (!look(here, i, there, inverse, row)) continue;
         any = true;

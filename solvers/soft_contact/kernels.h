@@ -37,6 +37,8 @@ struct PointPacket {
   double normal[3][kPacketSize];
   /// Areas at rest, m².
   double area[kPacketSize];
+  /// 1/ρ² of the face, m⁻².
+  double inverse_reach_squared;
   /// The corners of the box around the places.
   double low[3];
   double high[3];
@@ -57,6 +59,8 @@ struct ContactFacesView {
   /// Of the first packet of each face [faces]; the others follow.
   const ShapePacket* const* shapes;
   const double* const* areas;
+  /// ρ of each face, m [faces].
+  const double* reaches;
 };
 
 /// All points of two packets may touch each other.
@@ -123,26 +127,28 @@ struct ContactKernels {
   /// @param places Those of all points of the mesh, m.
   void (*features)(const ContactFacesView& faces, const double* places, PointPacket* points);
   /// S and P of each point; those of points without an area have no meaning.
+  /// @param around 1: points see each other up to ρ; more: up to so many times ρ.
   /// @param rows A bit for each point of a packet that has one of the other packet in reach, the
   ///   lowest for the first point [as others]; those of others with a lesser number are left.
-  void (*sums)(const PointPacket* points, const NearPacketsView& near, double reach, double* s,
+  void (*sums)(const PointPacket* points, const NearPacketsView& near, double around, double* s,
                double* p, unsigned char* rows);
   /// The derivative of the energy by place and normal of each point [packets × 6 × 8].
-  void (*gradient)(const PointPacket* points, const NearPacketsView& near, double reach,
+  void (*gradient)(const PointPacket* points, const NearPacketsView& near,
                    const unsigned char* rows, const JetView& jet, double* gradient);
   /// Adds it to the derivative by the points of the mesh.
   void (*to_nodes)(const ContactFacesView& faces, const PointPacket* points, const double* gradient,
                    double* of_nodes);
   /// Which of the others of each packet one of its points sees that acts [as others].
+  /// @param around As of sums().
   /// @param acts Whether each point does [packets × 8].
-  void (*find_seen)(const PointPacket* points, const NearPacketsView& near, double reach,
+  void (*find_seen)(const PointPacket* points, const NearPacketsView& near, double around,
                     const char* acts, char* seen);
   /// The second derivative of the energy of the points of a packet by the nodes of its clique: the
   /// lower part of a matrix that is stored by columns [clique_rows × clique_rows], without the
   /// second derivatives by one and the same point, which are added to `curvature`.
   /// @param room Work space [group_room].
-  void (*couple)(const ContactGroupView& group, const PointPacket* points, double reach,
-                 const JetView& jet, CurvaturePacket* curvature, double* room, double* matrix);
+  void (*couple)(const ContactGroupView& group, const PointPacket* points, const JetView& jet,
+                 CurvaturePacket* curvature, double* room, double* matrix);
   /// The second derivative by the nodes of a face of what its packets have by place and normal of
   /// each point [18 × 18], with the gradient by the normal times the second derivative of that.
   /// @param curvature, gradient Of the first packet of the face.

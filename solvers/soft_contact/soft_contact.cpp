@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/quantity.h"
@@ -23,11 +25,11 @@ namespace {
 /// ρ in thicknesses of the layer, and at least in distances of points.
 constexpr double kReachOfThickness = 2;
 constexpr double kReachOfSpacing = 2.8;
-/// The distance of points, in thicknesses and at least in mean edges of the surface.
+/// The distance of points, in thicknesses and at least in edges around a face.
 constexpr double kSpacing = 0.7;
 constexpr double kSpacingOfEdge = 1 / 7.5;
-/// S₀ as a share of S beside a plane.
-constexpr double kLeastCover = 0.05;
+/// S₀: a share of the S beside a plane, which is π/5.
+constexpr double kLeastSum = 0.05 * M_PI / 5;
 /// S in S₀ up to which there is no contact.
 constexpr double kNoCover = 0.01;
 /// A point sees enough of the other side, in S₀, to know that it is too deep inside. At the depth
@@ -37,12 +39,11 @@ constexpr double kSeen = 2;
 /// that to which it may come in a state of finite energy.
 constexpr double kSafe = 0.55;
 constexpr double kDeepest = 0.5;
-constexpr double kLeastSafe = kSafe - kDeepest;
 /// The largest step of a difference, in thicknesses.
 constexpr double kDifference = 1e-3;
 /// Of how many states the neighbours are kept.
 constexpr std::size_t kKeptNeighbours = 4;
-/// How far beyond ρ neighbours are searched for, in ρ.
+/// How far beyond ρ neighbours are searched for, in the mean ρ.
 constexpr double kMargin = 0.5;
 /// No point of a face moves by more than this times its farthest node: Σ |N_a| ≤ 5/3.
 constexpr double kNodeToPoint = 5.0 / 3;
@@ -148,21 +149,32 @@ void require_apart(const Body& body, double thickness) {
                    "overlap.");
 }
 
-double spacing_for(const Scene& scene) {
-  return std::max(kSpacing * scene.organ.contact.thickness,
-                  kSpacingOfEdge * mean_surface_edge(scene.body.mesh));
+ContactPoints make_points(const Scene& scene, double most_edge) {
+  const double thickness = scene.organ.contact.thickness;
+  std::vector<double> spacings;
+  std::vector<double> reaches;
+  for (const double edge : local_surface_edges(scene.body.mesh, most_edge)) {
+    spacings.push_back(std::max(kSpacing * thickness, kSpacingOfEdge * edge));
+    reaches.push_back(std::max(kReachOfThickness * thickness, kReachOfSpacing * spacings.back()));
+  }
+  return {scene.body, spacings, std::move(reaches)};
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 }  // namespace
 
-SoftContact::SoftContact(const Scene& scene) : SoftContact(scene, spacing_for(scene)) {}
+SoftContact::SoftContact(const Scene& scene)
+    : SoftContact(scene, mean_surface_edge(scene.body.mesh)) {}
 
-SoftContact::SoftContact(const Scene& scene, double spacing)
-    : points_(scene.body, spacing),
-      law_(scene.organ.contact),
-      reach_(std::max(kReachOfThickness * law_.thickness, kReachOfSpacing * spacing)),
-      rule_(points_, scene.organ.touching == TouchingParts::all, reach_),
-      least_sum_(kLeastCover * M_PI * reach_ * reach_ / 5),
+SoftContact::SoftContact(const Scene& scene, double most_edge)
+    : law_(scene.organ.contact),
+      points_(make_points(scene, most_edge)),
+      rule_(points_, scene.organ.touching == TouchingParts::all),
+      least_reach_(*std::min_element(points_.reaches().begin(), points_.reaches().end())),
+      margin_(kMargin * mean(points_.reaches())),
       offsets_(static_cast<std::size_t>(points_.num_points()), 0.0) {
   validate(law_);
   require_apart(scene.body, law_.thickness);
@@ -171,8 +183,12 @@ SoftContact::SoftContact(const Scene& scene, double spacing)
 
 SoftContact::~SoftContact() = default;
 
+double SoftContact::reach() const {
+  return *std::max_element(points_.reaches().begin(), points_.reaches().end());
+}
+
 const ContactNeighbours& SoftContact::near(const NodalVector& state) const {
-  const double most = kMargin * reach_ / (2 * kNodeToPoint);
+  const double most = margin_ / (2 * kNodeToPoint);
   const Eigen::Index displacements = 3 * static_cast<Eigen::Index>(points_.rest().size());
   const auto serves = [&](const ContactNeighbours& found) {
     for (Eigen::Index i = 0; i < displacements; i += 3) {
@@ -185,24 +201,24 @@ const ContactNeighbours& SoftContact::near(const NodalVector& state) const {
   if (found != neighbours_.end()) {
     neighbours_.splice(neighbours_.begin(), neighbours_, found);
   } else {
-    neighbours_.push_front(find_neighbours(points_, rule_, state, (1 + kMargin) * reach_));
+    neighbours_.push_front(find_neighbours(points_, rule_, state, margin_));
     if (neighbours_.size() > kKeptNeighbours) neighbours_.pop_back();
   }
   return neighbours_.front();
 }
 
-SoftContact::Sight& SoftContact::look(const NodalVector& state, double reach) const {
-  if (sight_ != nullptr && sight_->reach == reach && sight_->state == state) return *sight_;
+SoftContact::Sight& SoftContact::look(const NodalVector& state, double around) const {
+  if (sight_ != nullptr && sight_->around == around && sight_->state == state) return *sight_;
   const ContactNeighbours& near = this->near(state);
   if (sight_ == nullptr) sight_ = std::make_unique<Sight>();
   Sight& sight = *sight_;
   sight.state = state;
-  sight.reach = reach;
+  sight.around = around;
   points_.take_features(near.faces, state, sight.points);
   sight.s.resize(near.num_packets() * kPacketSize);
   sight.p.resize(sight.s.size());
   sight.rows.resize(near.others.size());
-  best_contact_kernels().sums(sight.points.data(), near.view(), reach, sight.s.data(),
+  best_contact_kernels().sums(sight.points.data(), near.view(), around, sight.s.data(),
                               sight.p.data(), sight.rows.data());
   return sight;
 }
@@ -215,9 +231,9 @@ bool SoftContact::acts(Index point, const Sums& sums, double further) const {
 SoftContact::Jet SoftContact::energy_of(Index point, const Sums& sums) const {
   const double f = sums.gap();
   const ContactLaw::Jet psi = law_.evaluate(f - offsets_[point]);
-  const double range = (1 - kNoCover) * least_sum_;
+  const double range = (1 - kNoCover) * kLeastSum;
   SmoothStep<double> cover =
-      smooth_step(std::clamp((sums.s - kNoCover * least_sum_) / range, 0.0, 1.0));
+      smooth_step(std::clamp((sums.s - kNoCover * kLeastSum) / range, 0.0, 1.0));
   cover.slope /= range;
   cover.curvature /= range * range;
   const double s = sums.s;
@@ -241,25 +257,25 @@ double SoftContact::differentiate(Sight& sight) const {
   sight.jets.resize(sight.num_points());
   for (std::size_t i = 0; i < sight.num_points(); ++i) {
     const Sums sums = sight.sums(i);
-    if (sight.is_point(i) && has_passed_through(sums)) {
+    const Index point = near.point(i);
+    if (sight.is_point(i) && has_passed_through(point, sums)) {
       return std::numeric_limits<double>::infinity();
     }
-    const Index point = near.point(i);
     const Jet jet = acts(point, sums, 0) ? energy_of(point, sums) : Jet();
     energy += jet.value;
     sight.jets.set(i, jet);
   }
   sight.gradient.resize(6 * sight.num_points());
   if (energy > 0) {
-    best_contact_kernels().gradient(sight.points.data(), near.view(), sight.reach,
-                                    sight.rows.data(), sight.jets.view(), sight.gradient.data());
+    best_contact_kernels().gradient(sight.points.data(), near.view(), sight.rows.data(),
+                                    sight.jets.view(), sight.gradient.data());
   }
   return energy;
 }
 
 double SoftContact::add(const NodalVector& state, NodalVector& force,
                         std::vector<double>* /*values*/) const {
-  Sight& sight = look(state, reach_);
+  Sight& sight = look(state, 1);
   const double energy = differentiate(sight);
   if (energy > 0 && std::isfinite(energy)) {
     points_.add_to_nodes(neighbours_.front().faces, sight.points, sight.gradient, force);
@@ -269,7 +285,7 @@ double SoftContact::add(const NodalVector& state, NodalVector& force,
 
 void SoftContact::set_offsets() {
   const NodalVector rest = NodalVector::Zero(3 * static_cast<Eigen::Index>(points_.rest().size()));
-  const Sight& sight = look(rest, reach_);
+  const Sight& sight = look(rest, 1);
   for (std::size_t i = 0; i < sight.num_points(); ++i) {
     const Sums sums = sight.sums(i);
     if (!is_covered(sums)) continue;
@@ -277,10 +293,11 @@ void SoftContact::set_offsets() {
   }
 }
 
-bool SoftContact::is_covered(const Sums& sums) const { return sums.s > kNoCover * least_sum_; }
+bool SoftContact::is_covered(const Sums& sums) const { return sums.s > kNoCover * kLeastSum; }
 
-bool SoftContact::has_passed_through(const Sums& sums) const {
-  return sums.s > kSeen * least_sum_ && sums.gap() < -kDeepest * reach_;
+bool SoftContact::has_passed_through(Index point, const Sums& sums) const {
+  return sums.s > kSeen * kLeastSum &&
+         sums.gap() < -kDeepest * points_.reaches()[points_.face_of(point)];
 }
 
 double SoftContact::longest_share(const NodalVector& state, const NodalVector& step) const {
@@ -290,19 +307,15 @@ double SoftContact::longest_share(const NodalVector& state, const NodalVector& s
   }
   // Two surfaces come nearer to each other by no more than this.
   const double nearer = 2 * kNodeToPoint * std::sqrt(fastest);
-  const auto deepest = [&](const std::vector<double>& depths) {
-    return *std::max_element(depths.begin(), depths.end());
-  };
-  if (nearer <= kLeastSafe * reach_) return 1;
+  if (nearer <= (kSafe - kDeepest) * least_reach_) return 1;
   // As far as is safe from here, then from there, until a point is too deep or the end is reached.
   double safe = 0;
   double share = 0;
   for (;;) {
     const NodalVector here = share == 0 ? state : NodalVector(state + share * step);
     const std::vector<double> depths = depths_of_faces(here);
-    const double depth = deepest(depths);
-    if (share > 0 && depth > kDeepest * reach_) return 0.5 * (safe + share);
-    if ((1 - share) * nearer <= kSafe * reach_ - depth) return 1;
+    if (share > 0 && least_left(depths, kDeepest) < 0) return 0.5 * (safe + share);
+    if ((1 - share) * nearer <= least_left(depths, kSafe)) return 1;
     safe = share;
     share += (1 - share) * safe_share(here, (1 - share) * step, 0.5 * (1 - share) * nearer, depths);
     if (share >= 1) return 1;
@@ -346,8 +359,9 @@ double SoftContact::safe_share(const NodalVector& state, const NodalVector& step
       // How far f comes nearer to g along the normal of each, which turns a little within it, and
       // how much nearer it may come.
       const double across = (ways[f].center() - ways[g].center()).norm();
-      const double depth = std::min(std::max(depths[f], depths[g]), kDeepest * reach_);
-      const double safe = kSafe * reach_ - depth;
+      const double reach = points_.reach(static_cast<Index>(f), static_cast<Index>(g));
+      const double depth = std::min(std::max(depths[f], depths[g]), kDeepest * reach);
+      const double safe = kSafe * reach - depth;
       const auto check = [&](std::size_t face, std::size_t other) {
         const Vec3& normal = normals[face].middle;
         const AlongNormal here = along(face, normal);
@@ -373,15 +387,23 @@ std::vector<double> SoftContact::depths_of_faces(const NodalVector& state) const
   return depths;
 }
 
+double SoftContact::least_left(const std::vector<double>& depths, double deepest) const {
+  double left = std::numeric_limits<double>::infinity();
+  for (std::size_t f = 0; f < depths.size(); ++f) {
+    left = std::min(left, deepest * points_.reaches()[f] - depths[f]);
+  }
+  return left;
+}
+
 std::vector<SoftContact::AtPoint> SoftContact::points_in_reach(const NodalVector& state) const {
-  const Sight& sight = look(state, reach_);
+  const Sight& sight = look(state, 1);
   std::vector<AtPoint> found;
   for (std::size_t i = 0; i < sight.num_points(); ++i) {
     const Sums sums = sight.sums(i);
     if (!sight.is_point(i) || !is_covered(sums)) continue;
     const Index point = neighbours_.front().point(i);
     const double pressure = acts(point, sums, 0) ? energy_of(point, sums).pressure : 0;
-    found.push_back({point, sums.gap(), pressure, sums.s / least_sum_});
+    found.push_back({point, sums.gap(), pressure, sums.s / kLeastSum});
   }
   return found;
 }
@@ -439,7 +461,7 @@ SoftContact::OnSurface SoftContact::on_surface(const NodalVector& state) const {
 }
 
 double SoftContact::layer_energy(const NodalVector& state) const {
-  const Sight& sight = look(state, reach_);
+  const Sight& sight = look(state, 1);
   double energy = 0;
   for (std::size_t i = 0; i < sight.num_points(); ++i) {
     const Sums sums = sight.sums(i);

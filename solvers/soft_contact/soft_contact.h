@@ -4,11 +4,12 @@
 //
 //   Φ = ½ Σ_i w_i ψ(f_i − o_i) σ(S_i / S₀)
 //   f_i = P_i / S_i,   S_i = Σ_j m_ij,   P_i = Σ_j m_ij n_j · r_ij,   r_ij = x_i − x_j
-//   m_ij = w_j ⟨1 − |r_ij|²/ρ²⟩⁴ s(−n_i · n_j)
+//   m_ij = w_j/ρ_ij² ⟨1 − |r_ij|²/ρ_ij²⟩⁴ s(−n_i · n_j)
 //
 // over the points j of the other parts, or of the same part too. So f is a smooth signed distance
 // (an implicit moving least squares surface: Öztireli, Guennebaud and Gross, Comput. Graph. Forum
 // 28, 2009). It is exact where the other side is flat, however its points lie, and negative inside.
+// ρ follows from the edges around each face, and ρ_ij is the larger one of the faces of i and j.
 // All points of both sides have their share, so that neither side is the master, and forces and
 // moments balance to rounding.
 //
@@ -20,8 +21,8 @@
 // less: bodies that lie on each other at rest press each other only once they come nearer.
 //
 // There is no friction. The kernel ends at ρ: parts that have passed through each other by more
-// would not feel it. So a state in which a point is more than ρ/2 inside has no finite energy, and
-// no step moves two surfaces by more than that towards each other.
+// would not feel it. So a state in which a point is more than half of its ρ inside has no finite
+// energy, and no step moves two surfaces by more than that towards each other.
 #pragma once
 
 #include <list>
@@ -40,9 +41,10 @@ class SoftContact final : public EnergyTerm {
   /// @param scene A scene that check() accepts, whose parts touch each other.
   /// @throws InputError two parts overlap in the mesh by more than the thickness.
   explicit SoftContact(const Scene& scene);
-  /// @param spacing The mean distance of the points of contact on a face, roughly, m. By default it
-  ///   follows from the thickness and the mean edge of the surface.
-  SoftContact(const Scene& scene, double spacing);
+  /// @param most_edge ρ is that of the edges around a face, or of this one where they are longer,
+  /// m.
+  ///   By default it is the mean edge of the surface.
+  SoftContact(const Scene& scene, double most_edge);
   ~SoftContact() override;
   SoftContact(const SoftContact&) = delete;
   SoftContact& operator=(const SoftContact&) = delete;
@@ -54,8 +56,8 @@ class SoftContact final : public EnergyTerm {
   [[nodiscard]] double longest_share(const NodalVector& state,
                                      const NodalVector& step) const override;
 
-  /// ρ, m.
-  [[nodiscard]] double reach() const { return reach_; }
+  /// The largest ρ, m.
+  [[nodiscard]] double reach() const;
 
   /// What a point feels.
   struct AtPoint {
@@ -112,8 +114,8 @@ class SoftContact final : public EnergyTerm {
   /// The points near each other, at a state or one that differs little from it.
   [[nodiscard]] const ContactNeighbours& near(const NodalVector& state) const;
   /// What the points near each other see in a state. It is valid until the next call.
-  /// @param reach ρ, or more.
-  [[nodiscard]] Sight& look(const NodalVector& state, double reach) const;
+  /// @param around Up to how many ρ: 1, or more.
+  [[nodiscard]] Sight& look(const NodalVector& state, double around) const;
   /// Sets the derivatives of the energy by the sums of each point, and by its place and normal.
   /// @returns The energy, J; infinite: a point has passed through a surface.
   [[nodiscard]] double differentiate(Sight& sight) const;
@@ -127,7 +129,7 @@ class SoftContact final : public EnergyTerm {
   [[nodiscard]] double layer_energy(const NodalVector& state) const;
   /// Whether a point sees so much of the other side that it may touch it.
   [[nodiscard]] bool is_covered(const Sums& sums) const;
-  [[nodiscard]] bool has_passed_through(const Sums& sums) const;
+  [[nodiscard]] bool has_passed_through(Index point, const Sums& sums) const;
   /// A share of a step within which no surface passes through another one unnoticed.
   /// @param fastest How far a point moves in the step at the most, m.
   /// @param depths Those of the faces in the state.
@@ -135,14 +137,18 @@ class SoftContact final : public EnergyTerm {
                                   const std::vector<double>& depths) const;
   /// How deep a point of each face of the surface is inside another one, m; 0 if none is.
   [[nodiscard]] std::vector<double> depths_of_faces(const NodalVector& state) const;
+  /// How much deeper each face may come before it is too deep, given the depths: the least, m.
+  /// @param deepest The largest depth, in ρ.
+  [[nodiscard]] double least_left(const std::vector<double>& depths, double deepest) const;
   void set_offsets();
 
-  ContactPoints points_;
   ContactLaw law_;
-  double reach_;
+  ContactPoints points_;
   TouchRule rule_;
-  /// S₀, m².
-  double least_sum_;
+  /// m.
+  double least_reach_;
+  /// How far beyond ρ neighbours are searched for, m.
+  double margin_;
   /// o of each point, m.
   std::vector<double> offsets_;
   /// Of the states that were looked at last, the last one first.

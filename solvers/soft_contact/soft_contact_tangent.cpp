@@ -56,7 +56,7 @@ SoftContact::Coupling SoftContact::couple(const Sight& sight, double further) co
     acts[i] = this->acts(near.point(i), sight.sums(i), further) ? 1 : 0;
   }
   std::vector<char> seen(near.others.size());
-  best_contact_kernels().find_seen(sight.points.data(), near.view(), sight.reach, acts.data(),
+  best_contact_kernels().find_seen(sight.points.data(), near.view(), sight.around, acts.data(),
                                    seen.data());
   Coupling result;
   const auto per_face = static_cast<std::size_t>(points_.nodes_per_face());
@@ -100,13 +100,13 @@ SoftContact::Coupling SoftContact::couple(const Sight& sight, double further) co
 }
 
 std::vector<PointPair> SoftContact::pairs_around(const NodalVector& state) const {
-  const Sight& sight = look(state, kAround * reach_);
+  const Sight& sight = look(state, kAround);
   return couple(sight, kSooner * law_.thickness)
       .cliques.name_pairs(static_cast<Index>(points_.rest().size()));
 }
 
 void SoftContact::take_blocks(const NodalVector& state, PairBlocks& result) const {
-  Sight& sight = look(state, reach_);
+  Sight& sight = look(state, 1);
   const ContactNeighbours& near = neighbours_.front();
   Coupling coupling = couple(sight, 0);
   result.pairs = coupling.cliques.name_pairs(static_cast<Index>(points_.rest().size()));
@@ -136,8 +136,8 @@ void SoftContact::take_blocks(const NodalVector& state, PairBlocks& result) cons
         group.face_seen.data(),
         group.places.data(),
         static_cast<std::int32_t>(num_nodes)};
-    kernels.couple(view, sight.points.data(), reach_, sight.jets.view(), curvature.data(),
-                   room.data(), matrix.data());
+    kernels.couple(view, sight.points.data(), sight.jets.view(), curvature.data(), room.data(),
+                   matrix.data());
     coupling.cliques.add_blocks(group.clique, matrix.data(), size, blocks);
   }
   double of_face[kOfFace * kOfFace];

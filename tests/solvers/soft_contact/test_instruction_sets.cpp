@@ -49,12 +49,15 @@ Results run(const ContactKernels& kernels, double turn) {
   const Scene scene = make_two_blocks(options);
   constexpr double kSpacing = 0.001;
   constexpr double kReach = 2.8 * kSpacing;
-  const ContactPoints surface(scene.body, kSpacing);
-  const TouchRule rule(surface, false, kReach);
+  const std::size_t num_faces = boundary_triangles(scene.body.mesh).size();
+  std::vector<double> reaches(num_faces, kReach);
+  for (std::size_t f = 0; f < num_faces; f += 2) reaches[f] = 1.3 * kReach;
+  const ContactPoints surface(scene.body, std::vector<double>(num_faces, kSpacing), reaches);
+  const TouchRule rule(surface, false);
   Random random(3);
   const auto size = 3 * static_cast<Eigen::Index>(surface.rest().size());
   const NodalVector state = random.vector(size, turn);
-  const ContactNeighbours near = find_neighbours(surface, rule, state, 1.5 * kReach);
+  const ContactNeighbours near = find_neighbours(surface, rule, state, 0.5 * kReach);
   const NearPacketsView view = near.view();
   const int per_face = surface.nodes_per_face();
 
@@ -63,17 +66,20 @@ Results run(const ContactKernels& kernels, double turn) {
   std::vector<double> all_areas;
   for (Index p = 0; p < surface.num_points(); ++p) all_areas.push_back(surface.area(p));
   std::vector<const double*> areas;
+  std::vector<double> reaches_near;
   for (const Index face : near.faces) {
     nodes.insert(nodes.end(), surface.nodes(face), surface.nodes(face) + per_face);
     shapes.push_back(surface.shapes(face));
     areas.push_back(&all_areas[surface.first_point(face)]);
+    reaches_near.push_back(reaches[face]);
   }
   const ContactFacesView faces{static_cast<std::int32_t>(near.faces.size()),
                                per_face,
                                nodes.data(),
                                near.first_packet.data(),
                                shapes.data(),
-                               areas.data()};
+                               areas.data(),
+                               reaches_near.data()};
   NodalVector places(size);
   for (std::size_t n = 0; n < surface.rest().size(); ++n) {
     places.segment<3>(3 * static_cast<Eigen::Index>(n)) =
@@ -87,7 +93,7 @@ Results run(const ContactKernels& kernels, double turn) {
   std::vector<double> p(num_points);
   Results results;
   results.rows.assign(near.others.size(), 0);
-  kernels.sums(points.data(), view, kReach, s.data(), p.data(), results.rows.data());
+  kernels.sums(points.data(), view, 1, s.data(), p.data(), results.rows.data());
   std::vector<char> acts(num_points, 0);
   std::vector<double> jet(5 * num_points, 0.0);
   for (std::size_t i = 0; i < num_points; ++i) {
@@ -102,11 +108,11 @@ Results run(const ContactKernels& kernels, double turn) {
   const JetView jets{&jet[0], &jet[num_points], &jet[2 * num_points], &jet[3 * num_points],
                      &jet[4 * num_points]};
   results.gradient.resize(6 * num_points);
-  kernels.gradient(points.data(), view, kReach, results.rows.data(), jets, results.gradient.data());
+  kernels.gradient(points.data(), view, results.rows.data(), jets, results.gradient.data());
   results.of_nodes.assign(static_cast<std::size_t>(size), 0.0);
   kernels.to_nodes(faces, points.data(), results.gradient.data(), results.of_nodes.data());
   results.seen.assign(near.others.size(), 0);
-  kernels.find_seen(points.data(), view, kReach, acts.data(), results.seen.data());
+  kernels.find_seen(points.data(), view, 1, acts.data(), results.seen.data());
 
   // The first packet that sees some, with a clique in which each face has nodes of its own.
   std::vector<CurvaturePacket> curvature(near.num_packets(), CurvaturePacket{});
@@ -139,7 +145,7 @@ Results run(const ContactKernels& kernels, double turn) {
                     surface.shapes(near.faces[face]) + packet - near.first_packet[face],
                     static_cast<std::int32_t>(others.size()), others.data(), shapes_seen.data(),
                     allowed.data(), face_seen.data(), in_clique.data(), num_nodes},
-                   points.data(), kReach, jets, curvature.data(), room.data(), matrix.data());
+                   points.data(), jets, curvature.data(), room.data(), matrix.data());
     for (std::size_t column = 0; column < rows; ++column) {
       for (std::size_t row = column; row < rows; ++row) {
         results.tangent.push_back(matrix[column * rows + row]);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -13,6 +14,8 @@
 
 #include "assembly/assembly.h"
 #include "base/error.h"
+#include "soft_contact/contact_defaults.h"
+#include "solvers/support/box_mesh.h"
 #include "solvers/support/finite_difference.h"
 #include "solvers/support/message_of.h"
 #include "solvers/support/random.h"
@@ -63,13 +66,22 @@ NodalVector product(const SoftContact& contact, const NodalVector& u, const Noda
   return result;
 }
 
-class SoftContactOf : public testing::TestWithParam<ElementOrder> {};
+/// With the thin layer, how far points see follows from the edges, and so differs from face to
+/// face.
+struct Case {
+  ElementOrder order;
+  double thickness;
+};
+class SoftContactOf : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(Orders, SoftContactOf,
-                         testing::Values(ElementOrder::linear, ElementOrder::quadratic));
+                         testing::Values(Case{ElementOrder::linear, 0.002},
+                                         Case{ElementOrder::quadratic, 0.002},
+                                         Case{ElementOrder::quadratic, 0.001}));
 
 TEST_P(SoftContactOf, ItsForceIsTheGradientOfItsEnergy) {
   TwoBlocksOptions options;
-  options.order = GetParam();
+  options.order = GetParam().order;
+  options.thickness = GetParam().thickness;
   const Scene scene = make_two_blocks(options);
   const SoftContact contact(scene);
   const NodalVector u = squeezed(scene, 0.0012, 2e-4);
@@ -86,7 +98,8 @@ TEST_P(SoftContactOf, ItsForceIsTheGradientOfItsEnergy) {
 
 TEST_P(SoftContactOf, ItsTangentIsTheGradientOfItsForce) {
   TwoBlocksOptions options;
-  options.order = GetParam();
+  options.order = GetParam().order;
+  options.thickness = GetParam().thickness;
   const Scene scene = make_two_blocks(options);
   const SoftContact contact(scene);
   const NodalVector u = squeezed(scene, 0.0012, 2e-4);
@@ -193,7 +206,10 @@ TEST(SoftContact, DoesNotDependOnWhatWasEvaluatedBefore) {
 }
 
 TEST(SoftContact, HasNoEnergyWhereAPartIsThroughTheOther) {
-  const Scene scene = make_two_blocks();
+  // The reach follows from the thickness here, and so is the same at all points.
+  TwoBlocksOptions options;
+  options.thickness = 0.004;
+  const Scene scene = make_two_blocks(options);
   const SoftContact contact(scene);
   EXPECT_TRUE(std::isfinite(energy_at(contact, moved(scene, {0, 0, -0.49 * contact.reach()}))));
   EXPECT_EQ(energy_at(contact, moved(scene, {0, 0, -0.51 * contact.reach()})),
@@ -217,6 +233,26 @@ TEST(SoftContact, NoStepPassesThroughAPart) {
   EXPECT_EQ(contact.longest_share(at_rest, moved(scene, {0, 0, -0.0005})), 1);
   EXPECT_EQ(contact.longest_share(at_rest, moved(scene, {0, 0, 0.1})), 1)
       << "what goes apart, goes as far as it likes";
+}
+
+// A bar whose cells are ever longer along it.
+TEST(SoftContact, SeesAsFarAsTheEdgesNearbySay) {
+  TetMesh mesh = make_box(ElementOrder::linear, {12, 2, 2}, Vec3(0.12, 0.006, 0.006));
+  for (Vec3& x : mesh.points) x.x() *= x.x() / 0.12;
+  constexpr double kMost = 0.006;
+  const std::vector<double> edges = local_surface_edges(mesh, kMost);
+  const std::vector<std::array<Index, 3>> faces = boundary_triangles(mesh);
+  ASSERT_EQ(edges.size(), faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    EXPECT_LE(edges[f], kMost * (1 + 1e-12));
+    const double x =
+        (mesh.points[faces[f][0]] + mesh.points[faces[f][1]] + mesh.points[faces[f][2]]).x() / 3;
+    if (x < 0.01) {
+      EXPECT_LT(edges[f], 0.9 * kMost);
+    } else if (x > 0.04 && x < 0.06) {
+      EXPECT_DOUBLE_EQ(edges[f], kMost);
+    }
+  }
 }
 
 TEST(SoftContact, ABodyDoesNotTouchItselfWhereItIsSmooth) {

@@ -25,9 +25,6 @@ namespace {
 constexpr int kSectors = 8;
 constexpr int kOwnSectors = 2;
 constexpr double kWhole = static_cast<double>(kSectors) / kOwnSectors;
-/// The least distance of points of contact, in edges, as by default.
-constexpr double kSpacingOfEdge = 1 / 7.5;
-constexpr double kSpacingOfThickness = 0.7;
 
 HalfSpaceOptions sector_of(int edges, double extent) {
   return {edges, extent, kSectors, kOwnSectors};
@@ -84,8 +81,7 @@ TwoHalfSpacesResult press_half_spaces(const TwoHalfSpacesOptions& options) {
   touching.organ.touching = TouchingParts::others;
   touching.organ.contact = {
       thickness, options.stiffness * test::kYoungsModulus * std::min(1.0, options.stiffer), 0};
-  const SoftContact contact(touching,
-                            std::max(kSpacingOfThickness * thickness, kSpacingOfEdge * edge));
+  const SoftContact contact(touching, edge);
 
   InteractionList tools;
   tools.add(BondedPatch(moved));
