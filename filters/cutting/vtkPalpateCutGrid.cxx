@@ -15,6 +15,7 @@
 #include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPalpateMeshGrid.h"
+#include "vtkPalpateScene.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
@@ -86,7 +87,7 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
   cells->CopyGlobalIdsOff();
   cells->CopyAllocate(grid->GetCellData(), opened.mesh.num_cells());
   vtkNew<vtkIntArray> stages;
-  stages->SetName("CutStage");
+  stages->SetName(vtkPalpateArray::CutStage);
   stages->SetNumberOfComponents(4);
   for (Index c = 0; c < opened.mesh.num_cells(); ++c)
   {
@@ -113,11 +114,13 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
   }
   result->GetFieldData()->ShallowCopy(grid->GetFieldData());
   result->GetFieldData()->AddArray(FieldOf("StageFront", cut.fronts));
-  result->GetFieldData()->AddArray(FieldOf("StageArea", cut.areas));
+  result->GetFieldData()->AddArray(FieldOf(vtkPalpateArray::StageArea, cut.areas));
   vtkNew<vtkIntArray> own;
-  own->SetName("Stage");
+  own->SetName(vtkPalpateArray::Stage);
   own->InsertNextValue(stage);
   result->GetFieldData()->AddArray(own);
+  result->GetFieldData()->AddArray(
+    FieldOf(vtkPalpateArray::TornArea, { cut.areas[static_cast<std::size_t>(stage)] }));
   return result;
 }
 
@@ -138,7 +141,7 @@ void vtkPalpateCutFaces(const palpate::SheetMesh& cut, vtkPolyData* faces)
   points->SetDataTypeToDouble();
   vtkNew<vtkCellArray> triangles;
   vtkNew<vtkIntArray> array;
-  array->SetName("CutStage");
+  array->SetName(vtkPalpateArray::CutStage);
   std::map<Index, vtkIdType> number;
   for (const auto& [face, stage] : stages)
   {

@@ -162,10 +162,11 @@ void ReadContact(vtkUnstructuredGrid* grid, palpate::Scene& scene)
     return;
   }
   const double touching = law->GetNumberOfValues() == 3 ? law->GetComponent(0, 0) : 0;
-  if (law->GetNumberOfComponents() != 3 || (touching != 1 && touching != 2))
+  if (law->GetNumberOfComponents() != 3 || (touching != 1 && touching != 2 && touching != 3))
   {
     throw InputError(std::string("The field array ") + vtkPalpateArray::PartContact +
-      " is not what Set Boundary writes: 1 or 2, a thickness (m) and a stiffness (Pa). Set Contact "
+      " is not what Set Boundary writes: 1, 2 or 3, a thickness (m) and a stiffness (Pa). Set "
+      "Contact "
       "again.");
   }
   scene.organ.touching = static_cast<palpate::TouchingParts>(static_cast<int>(touching));
@@ -176,6 +177,77 @@ void ReadContact(vtkUnstructuredGrid* grid, palpate::Scene& scene)
   {
     scene.body.part_of_cell.push_back(static_cast<Index>(parts->GetComponent(cell, 0)));
   }
+}
+
+/// The only value of a field array.
+/// @throws palpate::InputError there is none.
+double FieldValue(vtkUnstructuredGrid* grid, const char* name)
+{
+  vtkDataArray* array = grid->GetFieldData()->GetArray(name);
+  if (!array || array->GetNumberOfValues() != 1)
+  {
+    throw InputError(std::string("The body has a cut (cell array ") + vtkPalpateArray::CutStage +
+      "), but no field array " + name +
+      " of one value, as Place Cut writes it. Apply Place Cut "
+      "again, or take " +
+      vtkPalpateArray::CutStage + " away.");
+  }
+  return array->GetComponent(0, 0);
+}
+
+void ReadCut(vtkUnstructuredGrid* grid, palpate::Scene& scene)
+{
+  vtkDataArray* stages = grid->GetCellData()->GetArray(vtkPalpateArray::CutStage);
+  if (!stages)
+  {
+    return;
+  }
+  if (stages->GetNumberOfComponents() != 4)
+  {
+    throw InputError(std::string("The cell array ") + vtkPalpateArray::CutStage + " has " +
+      std::to_string(stages->GetNumberOfComponents()) +
+      " components; it must have 4, one for each face of the cell.");
+  }
+  palpate::Cut& cut = scene.body.cut;
+  cut.stage = static_cast<std::int32_t>(FieldValue(grid, vtkPalpateArray::Stage));
+  cut.area = FieldValue(grid, vtkPalpateArray::TornArea);
+  cut.faces.resize(static_cast<std::size_t>(stages->GetNumberOfTuples()));
+  for (std::size_t cell = 0; cell < cut.faces.size(); ++cell)
+  {
+    for (int face = 0; face < 4; ++face)
+    {
+      cut.faces[cell][face] =
+        static_cast<std::int32_t>(stages->GetComponent(static_cast<vtkIdType>(cell), face));
+    }
+  }
+  if (scene.organ.touching == palpate::TouchingParts::none)
+  {
+    scene.organ.touching = palpate::TouchingParts::lips;
+  }
+}
+
+void WriteCut(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
+{
+  const palpate::Cut& cut = scene.body.cut;
+  if (cut.faces.empty())
+  {
+    return;
+  }
+  vtkNew<vtkIntArray> stages;
+  stages->SetName(vtkPalpateArray::CutStage);
+  stages->SetNumberOfComponents(4);
+  for (const palpate::OpenedFaces& of_cell : cut.faces)
+  {
+    stages->InsertNextTypedTuple(of_cell.data());
+  }
+  grid->GetCellData()->AddArray(stages);
+  vtkNew<vtkIntArray> stage;
+  stage->SetName(vtkPalpateArray::Stage);
+  stage->InsertNextValue(cut.stage);
+  grid->GetFieldData()->AddArray(stage);
+  const auto area = Numbers(vtkPalpateArray::TornArea, 1, 1);
+  area->SetValue(0, cut.area);
+  grid->GetFieldData()->AddArray(area);
 }
 
 void WriteContact(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
@@ -401,6 +473,7 @@ void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene)
       scene.body.applied_traction[point] = traction;
     });
   ReadContact(grid, scene);
+  ReadCut(grid, scene);
 }
 
 void vtkPalpateWriteBoundary(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
@@ -416,6 +489,7 @@ void vtkPalpateWriteBoundary(const palpate::Scene& scene, vtkUnstructuredGrid* g
     vtkPalpateArray::AppliedTraction, 3, scene.body.applied_traction,
     [](const palpate::Vec3& traction) { return traction.data(); }, grid);
   WriteContact(scene, grid);
+  WriteCut(scene, grid);
 }
 
 std::vector<char> vtkPalpateHeldPoints(const palpate::Scene& scene)

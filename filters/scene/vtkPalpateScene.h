@@ -11,6 +11,10 @@
 //   point array `SupportStiffness`  of springs that hold the surface, N/m³
 //   point array `AppliedPressure`   Pa, follows the surface
 //   point array `AppliedTraction`   Pa (3 components), on the area at rest
+//   cell array `CutStage` (4 components)
+//                                 the stage at which the face opposite to each corner of the cell
+//                                 opens; 0: never. With the field arrays `Stage`, that at which the
+//                                 mesh is, and `TornArea`, which is open then, m²
 //   cell arrays of the rheology   `Density`, …: vtkPalpateMaterials.h; for motion and weight alone
 //
 // Ids of points and cells are the same in the grid and in the scene.
@@ -45,9 +49,14 @@ inline constexpr const char* RestDisplacement = "RestDisplacement";
 inline constexpr const char* ContactPressure = "ContactPressure";
 /// The part of each cell that touches the others.
 inline constexpr const char* ContactPart = "ContactPart";
-/// A field array: which parts touch (1: each the others, 2: itself too), the thickness of their
-/// contact, m, and its stiffness, Pa; 0: a usual one.
+/// A field array: which parts touch (1: each the others, 2: itself too, 3: the sides of a cut each
+/// other), the thickness of their contact, m, and its stiffness, Pa; 0: a usual one.
 inline constexpr const char* PartContact = "PartContact";
+inline constexpr const char* CutStage = "CutStage";
+inline constexpr const char* Stage = "Stage";
+inline constexpr const char* TornArea = "TornArea";
+/// A field array: the area that is open at each stage, m².
+inline constexpr const char* StageArea = "StageArea";
 }
 
 /// The order of the grid's elements.
@@ -60,8 +69,9 @@ PALPATESCENE_EXPORT palpate::ElementOrder vtkPalpateElementOrder(vtkUnstructured
 /// @throws palpate::InputError as vtkPalpateElementOrder.
 PALPATESCENE_EXPORT palpate::TetMesh vtkPalpateMeshFromGrid(vtkUnstructuredGrid* grid);
 
-/// Reads the arrays of what holds the body besides fixed points, of what loads its surface, and of
-/// which parts touch each other, without further checks.
+/// Reads the arrays of what holds the body besides fixed points, of what loads its surface, of
+/// which parts touch each other, and of its cut, without further checks. The sides of a cut touch
+/// each other if nothing else is said of contact.
 /// @throws palpate::InputError an array has a wrong number of components, or is no point array.
 PALPATESCENE_EXPORT void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene);
 

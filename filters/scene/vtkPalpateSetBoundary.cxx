@@ -478,10 +478,16 @@ void vtkPalpateSetBoundary::Hold(const std::vector<char>& points, palpate::Scene
 
 void vtkPalpateSetBoundary::Touch(vtkUnstructuredGrid* body, palpate::Scene& scene) const
 {
-  if (this->Contact != BETWEEN_PARTS && this->Contact != ALSO_WITH_THEMSELVES)
+  if (this->Contact < BETWEEN_PARTS || this->Contact > BETWEEN_SIDES_OF_A_CUT)
   {
     throw InputError("Contact is " + std::to_string(this->Contact) +
-      "; it must be 0 (None), 1 (Between Parts) or 2 (Also With Themselves).");
+      "; it must be 0 (None), 1 (Between Parts), 2 (Also With Themselves) or 3 (Between Sides Of A "
+      "Cut).");
+  }
+  if (this->Contact == BETWEEN_SIDES_OF_A_CUT && scene.body.cut.faces.empty())
+  {
+    throw InputError("Contact is Between Sides Of A Cut, but the body has no cut. Apply Place Cut "
+                     "to it before, or choose another Contact.");
   }
   for (const auto& [name, value] : { std::pair{ "ContactThickness", this->ContactThickness },
          std::pair{ "ContactStiffness", this->ContactStiffness } })
@@ -493,7 +499,11 @@ void vtkPalpateSetBoundary::Touch(vtkUnstructuredGrid* body, palpate::Scene& sce
     }
   }
   std::vector<Index>& parts = scene.body.part_of_cell;
-  if (this->PartsBy == PIECES)
+  if (this->Contact == BETWEEN_SIDES_OF_A_CUT)
+  {
+    parts.clear();
+  }
+  else if (this->PartsBy == PIECES)
   {
     parts = palpate::find_pieces(scene.body.mesh).of_cell;
   }
@@ -535,9 +545,8 @@ void vtkPalpateSetBoundary::Touch(vtkUnstructuredGrid* body, palpate::Scene& sce
       ", or Also With Themselves as Contact.");
   }
   scene.organ.touching = static_cast<palpate::TouchingParts>(this->Contact);
-  scene.organ.contact.thickness = this->ContactThickness > 0
-    ? this->ContactThickness
-    : palpate::usual_contact_thickness(scene.body.mesh);
+  scene.organ.contact.thickness =
+    this->ContactThickness > 0 ? this->ContactThickness : palpate::usual_contact_thickness(scene);
   scene.organ.contact.stiffness = this->ContactStiffness;
 }
 

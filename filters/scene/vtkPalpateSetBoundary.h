@@ -76,9 +76,10 @@ public:
   /// Which parts of the body touch each other.
   enum Toucher
   {
-    NO_CONTACT = 0,          ///< what earlier filters have set is kept
-    BETWEEN_PARTS = 1,       ///< each part touches the others
-    ALSO_WITH_THEMSELVES = 2 ///< and itself
+    NO_CONTACT = 0,            ///< what earlier filters have set is kept
+    BETWEEN_PARTS = 1,         ///< each part touches the others
+    ALSO_WITH_THEMSELVES = 2,  ///< and itself
+    BETWEEN_SIDES_OF_A_CUT = 3 ///< as they do too where nothing else is set
   };
 
   /// What the parts are.

@@ -4,9 +4,11 @@
 // surface.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "base/types.h"
+#include "mesh/opened_faces.h"
 #include "mesh/tet_mesh.h"
 
 namespace palpate {
@@ -14,6 +16,16 @@ namespace palpate {
 /// The directions along which a point is held, as by a plane of symmetry. There are none, one or
 /// two; they are orthonormal, and the columns without a direction are zero.
 using HeldDirections = Eigen::Matrix<double, 3, 2>;
+
+/// The cut of a body, which opens stage by stage.
+struct Cut {
+  /// Which faces of each cell open [num_cells]; empty: there is no cut.
+  std::vector<OpenedFaces> faces;
+  /// The stage at which the mesh is.
+  std::int32_t stage = 0;
+  /// The area of the sheet that is open then, m².
+  double area = 0;
+};
 
 struct Body {
   TetMesh mesh;
@@ -38,6 +50,8 @@ struct Body {
   std::vector<double> applied_pressure;
   /// t, Pa: a force in the direction of t on the area at rest [num_points].
   std::vector<Vec3> applied_traction;
+
+  Cut cut;
 
   /// The place of a cell's material in Organ::materials.
   [[nodiscard]] Index material_of(Index cell) const {

@@ -17,7 +17,9 @@ enum class TouchingParts : char {
   /// Each part touches the others.
   others,
   /// Each part touches the others and itself.
-  all
+  all,
+  /// The two sides of a cut touch each other, which they also do in the other cases but none.
+  lips
 };
 
 struct Organ {

@@ -63,7 +63,7 @@ PieceSupport::PieceSupport(const TetMesh& mesh, const std::vector<char>& fixed) 
 
 PieceSupport::PieceSupport(const Scene& scene)
     : PieceSupport(scene.body.mesh, holding_points(scene.body)) {
-  parts_touch_ = scene.organ.touching != TouchingParts::none;
+  parts_touch_ = scene.has_contact();
   if (!parts_touch_ || weak_.empty()) return;
   part_of_weak_.resize(weak_.size());
   for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {

@@ -22,7 +22,21 @@ void check_contact(const Scene& scene) {
     throw InputError("The body has " + std::to_string(body.mesh.num_cells()) + " cells, but " +
                      std::to_string(body.part_of_cell.size()) + " of them have a part.");
   }
+  const Cut& cut = body.cut;
+  if (!cut.faces.empty() && cut.faces.size() != static_cast<std::size_t>(body.mesh.num_cells())) {
+    throw InputError(
+        "The body has " + std::to_string(body.mesh.num_cells()) + " cells, but " +
+        std::to_string(cut.faces.size()) +
+        " of them say where the cut goes. Apply Place Cut last of all that changes the "
+        "mesh.");
+  }
+  if (!(cut.area >= 0) || !std::isfinite(cut.area) || cut.stage < 0) {
+    throw InputError("The cut of the body has no stage or no area. Apply Place Cut again.");
+  }
   if (scene.organ.touching == TouchingParts::none) return;
+  if (scene.organ.touching == TouchingParts::lips && cut.faces.empty()) {
+    throw InputError("The sides of a cut are to touch each other, but the body has no cut.");
+  }
   validate(scene.organ.contact);
   if (scene.organ.contact.offset != 0) {
     throw InputError("The contact of parts with each other has no offset.");
@@ -168,6 +182,11 @@ std::string hash(const Scene& scene) {
     add(&scene.organ.contact.thickness, sizeof(double));
     add(&scene.organ.contact.stiffness, sizeof(double));
     for (Index c = 0; c < mesh.num_cells(); ++c) add_number(scene.body.part_of(c));
+    const Cut& cut = scene.body.cut;
+    if (!cut.faces.empty()) {
+      add_number(cut.stage);
+      add(cut.faces.data(), cut.faces.size() * sizeof cut.faces[0]);
+    }
   }
   const XXH128_hash_t digest = XXH3_128bits_digest(state.get());
   char text[33];

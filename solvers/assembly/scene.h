@@ -20,6 +20,11 @@ struct Scene {
 
   /// Whether the body is deformed without a tool.
   [[nodiscard]] bool has_load() const { return organ.has_body_force() || body.has_surface_loads(); }
+  /// Whether the body has surfaces that touch each other.
+  [[nodiscard]] bool has_contact() const {
+    return organ.touching == TouchingParts::lips ? body.cut.stage > 0
+                                                 : organ.touching != TouchingParts::none;
+  }
   [[nodiscard]] const Material& material_of(Index cell) const {
     return organ.materials[body.material_of(cell)];
   }

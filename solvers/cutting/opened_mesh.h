@@ -3,19 +3,15 @@
 // that have opened are there once for each side.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "mesh/opened_faces.h"
 #include "mesh/tet_mesh.h"
 
 namespace palpate {
-
-/// The stage from which on the face opposite to each corner of a cell is open; 0: it never is.
-using OpenedFaces = std::array<std::int32_t, 4>;
 
 struct OpenedMesh {
   /// Its first points are those of the closed mesh, with their numbers.

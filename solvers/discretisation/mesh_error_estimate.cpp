@@ -49,7 +49,7 @@ MeshErrorEstimator::MeshErrorEstimator(const Scene& scene, const Assembly& assem
       pressures_(scene.body.mesh, assembly.pressures_of_corners(), assembly.num_pressures()),
       mesh_(scene.body.mesh),
       mean_edge_(assembly.mean_edge()),
-      has_contact_(scene.organ.touching != TouchingParts::none) {
+      has_contact_(scene.has_contact()) {
   std::map<std::pair<Law, bool>, Group> groups;
   const int points_per_cell = recovery_.points_per_cell();
   for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {

@@ -29,7 +29,7 @@ namespace palpate {
   return law >= Law::linear && static_cast<int>(law) < num_laws;
 }
 [[nodiscard]] inline bool is_sound(TouchingParts touching) {
-  return touching >= TouchingParts::none && touching <= TouchingParts::all;
+  return touching >= TouchingParts::none && touching <= TouchingParts::lips;
 }
 [[nodiscard]] inline bool is_sound(Formulation formulation) {
   return formulation == Formulation::displacement || formulation == Formulation::mixed;
@@ -222,6 +222,12 @@ void for_each_part(Organ& organ, Visit&& visit) {
   visit(organ.contact);
 }
 template <class Visit>
+void for_each_part(Cut& cut, Visit&& visit) {
+  visit(cut.faces);
+  visit(cut.stage);
+  visit(cut.area);
+}
+template <class Visit>
 void for_each_part(Body& body, Visit&& visit) {
   visit(body.mesh);
   visit(body.material_of_cell);
@@ -232,6 +238,7 @@ void for_each_part(Body& body, Visit&& visit) {
   visit(body.support_stiffness);
   visit(body.applied_pressure);
   visit(body.applied_traction);
+  visit(body.cut);
 }
 template <class Visit>
 void for_each_part(Scene& scene, Visit&& visit) {

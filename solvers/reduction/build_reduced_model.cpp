@@ -91,7 +91,7 @@ void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies
 
 /// A pressure that follows the surface, and contact, would add an energy that the model has not.
 void check_loads(const Scene& scene) {
-  if (scene.organ.touching != TouchingParts::none) {
+  if (scene.has_contact()) {
     throw InputError(
         "A reduced model does not know that parts of the body touch each other: its error would "
         "not be what it tells. Take Solve Dynamics or Precompute State Space, or leave Contact of "

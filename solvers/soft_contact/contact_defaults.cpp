@@ -7,10 +7,13 @@
 #include <queue>
 #include <utility>
 
+#include "mesh/cell_faces.h"
+
 namespace palpate {
 namespace {
 
 constexpr double kThicknessOfEdge = 0.2;
+constexpr double kThicknessOfLips = 0.05;
 constexpr double kStiffnessOfModulus = 2;
 /// How much an edge grows on the way to the next, as a share of that. Meshers take 0.2 to 0.5.
 constexpr double kGrowth = 0.3;
@@ -81,13 +84,31 @@ std::vector<double> local_surface_edges(const TetMesh& mesh, double most) {
   return edges;
 }
 
-double usual_contact_thickness(const TetMesh& mesh) {
-  return kThicknessOfEdge * mean_surface_edge(mesh);
+double usual_contact_thickness(const Scene& scene) {
+  const TetMesh& mesh = scene.body.mesh;
+  if (scene.organ.touching != TouchingParts::lips)
+    return kThicknessOfEdge * mean_surface_edge(mesh);
+  double sum = 0;
+  Index count = 0;
+  for (Index c = 0; c < mesh.num_cells(); ++c) {
+    for (int k = 0; k < 4; ++k) {
+      if (!opens(scene.body.cut.faces[c][k])) continue;
+      sum += mean_edge(mesh, face_opposite(mesh.cell(c), k));
+      ++count;
+    }
+  }
+  return count > 0 ? kThicknessOfLips * sum / count : kThicknessOfEdge * mean_surface_edge(mesh);
 }
 
 double usual_contact_stiffness(const Scene& scene) {
   std::vector<Index> cells;
-  (void)boundary_faces(scene.body.mesh, &cells);
+  if (scene.organ.touching == TouchingParts::lips) {
+    for (Index c = 0; c < scene.body.mesh.num_cells(); ++c) {
+      const OpenedFaces& faces = scene.body.cut.faces[c];
+      if (std::any_of(faces.begin(), faces.end(), opens)) cells.push_back(c);
+    }
+  }
+  if (cells.empty()) (void)boundary_faces(scene.body.mesh, &cells);
   double least = std::numeric_limits<double>::infinity();
   for (const Index cell : cells) least = std::min(least, youngs_modulus(scene.material_of(cell)));
   return kStiffnessOfModulus * least;
@@ -96,7 +117,7 @@ double usual_contact_stiffness(const Scene& scene) {
 Scene with_contact_defaults(Scene scene) {
   if (scene.organ.touching == TouchingParts::none) return scene;
   ContactLaw& law = scene.organ.contact;
-  if (law.thickness == 0) law.thickness = usual_contact_thickness(scene.body.mesh);
+  if (law.thickness == 0) law.thickness = usual_contact_thickness(scene);
   if (law.stiffness == 0) law.stiffness = usual_contact_stiffness(scene);
   return scene;
 }

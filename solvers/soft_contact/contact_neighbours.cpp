@@ -57,9 +57,9 @@ std::vector<Index> all_faces(const ContactPoints& points) {
 
 }  // namespace
 
-TouchRule::TouchRule(const ContactPoints& points, bool with_themselves)
-    : points_(points), with_themselves_(with_themselves) {
-  if (!with_themselves) return;
+TouchRule::TouchRule(const ContactPoints& points, TouchingParts touching)
+    : points_(points), touching_(touching) {
+  if (touching == TouchingParts::others && !points.has_lips()) return;
   const NodalVector none = NodalVector::Zero(3 * static_cast<Eigen::Index>(points.rest().size()));
   points.take_features(all_faces(points), none, rest_);
 }

@@ -10,16 +10,19 @@
 
 namespace palpate {
 
-/// Points may touch each other if they belong to different parts, and, if parts touch themselves
-/// too, if they are not near each other at rest with the part between them.
+/// Points may touch each other if they belong to different parts, if they are on the sides of a
+/// cut, and, if parts touch themselves too, if they are not near each other at rest with the part
+/// between them.
 class TouchRule {
  public:
   /// @param points They must outlive this object.
-  TouchRule(const ContactPoints& points, bool with_themselves);
+  TouchRule(const ContactPoints& points, TouchingParts touching);
 
   [[nodiscard]] bool may_touch(Index face, Index other) const {
     if (face == other || (points_.is_fixed(face) && points_.is_fixed(other))) return false;
-    return with_themselves_ || points_.part(face) != points_.part(other);
+    if (points_.is_lip(face) && points_.is_lip(other)) return true;
+    return touching_ == TouchingParts::all ||
+           (touching_ == TouchingParts::others && points_.part(face) != points_.part(other));
   }
   /// Whether two points of faces that may touch each other belong to one part, and are on two sides
   /// of it, as of a thin plate or beside an edge.
@@ -27,8 +30,8 @@ class TouchRule {
 
  private:
   const ContactPoints& points_;
-  bool with_themselves_;
-  /// The points at rest; empty where no part touches itself.
+  TouchingParts touching_;
+  /// The points at rest; empty where no point touches another one of its part.
   std::vector<PointPacket> rest_;
 };
 

@@ -33,6 +33,17 @@ ShapePacket shapes_at(const FacePoint* points, int nodes_per_face) {
   return shapes;
 }
 
+/// @param corners Of a face of the cell.
+bool is_open_face(const Body& body, Index cell, const Index* corners) {
+  if (body.cut.faces.empty()) return false;
+  for (int k = 0; k < 4; ++k) {
+    const Index opposite = body.mesh.cell(cell)[k];
+    if (std::find(corners, corners + 3, opposite) != corners + 3) continue;
+    return is_open(body.cut.faces[cell][k], body.cut.stage);
+  }
+  return false;
+}
+
 }  // namespace
 
 ContactPoints::ContactPoints(const Body& body, const std::vector<double>& spacings,
@@ -61,6 +72,7 @@ ContactPoints::ContactPoints(const Body& body, const std::vector<double>& spacin
     }
     first_shape_.push_back(first_shape[divisions]);
     part_.push_back(body.part_of(cells[f]));
+    is_lip_.push_back(is_open_face(body, cells[f], face) ? 1 : 0);
     is_fixed_.push_back(
         std::all_of(face, face + nodes_per_face_, [&](Index p) { return body.fixed[p] != 0; }) ? 1
                                                                                                : 0);

@@ -48,6 +48,11 @@ class ContactPoints {
   [[nodiscard]] double reach(Index face, Index other) const {
     return std::max(reaches_[face], reaches_[other]);
   }
+  /// Whether a face is on one of the sides of a cut.
+  [[nodiscard]] bool is_lip(Index face) const { return is_lip_[face] != 0; }
+  [[nodiscard]] bool has_lips() const {
+    return std::find(is_lip_.begin(), is_lip_.end(), 1) != is_lip_.end();
+  }
   /// Whether no node of a face can move.
   [[nodiscard]] bool is_fixed(Index face) const { return is_fixed_[face] != 0; }
   /// The area at rest of a point, m²; 0: it fills up a packet.
@@ -82,6 +87,7 @@ class ContactPoints {
   std::vector<Vec3> rest_;
   std::vector<Index> nodes_;
   std::vector<Index> part_;
+  std::vector<char> is_lip_;
   std::vector<char> is_fixed_;
   std::vector<double> reaches_;
   std::vector<Index> first_packet_{0};

@@ -172,7 +172,7 @@ SoftContact::SoftContact(const Scene& scene)
 SoftContact::SoftContact(const Scene& scene, double most_edge)
     : law_(scene.organ.contact),
       points_(make_points(scene, most_edge)),
-      rule_(points_, scene.organ.touching == TouchingParts::all),
+      rule_(points_, scene.organ.touching),
       least_reach_(*std::min_element(points_.reaches().begin(), points_.reaches().end())),
       margin_(kMargin * mean(points_.reaches())),
       offsets_(static_cast<std::size_t>(points_.num_points()), 0.0) {
@@ -488,7 +488,7 @@ Eigen::VectorXd SoftContact::layer_force(const NodalVector& state,
 }
 
 std::unique_ptr<const SoftContact> make_soft_contact(const Scene& scene) {
-  if (scene.organ.touching == TouchingParts::none) return nullptr;
+  if (!scene.has_contact()) return nullptr;
   return std::make_unique<const SoftContact>(scene);
 }
 

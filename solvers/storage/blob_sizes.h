@@ -63,6 +63,10 @@ inline constexpr std::int64_t kOfNumbers = 1 << 16;
 [[nodiscard]] inline Size<Index> of_cells(std::int64_t num_cells) {
   return none_or<Index>(num_cells);
 }
+/// The column faces of table body_cut, in numbers.
+[[nodiscard]] inline Size<OpenedFaces> faces_of_cells(std::int64_t num_cells) {
+  return exactly<OpenedFaces>(num_cells);
+}
 /// The columns fixed and touchable.
 [[nodiscard]] inline Size<char> marks(std::int64_t num_points) { return exactly<char>(num_points); }
 

@@ -28,6 +28,7 @@ using sqlite::Statement;
 constexpr char kBodyForce[] = "body_force";
 constexpr char kBoundary[] = "boundary_array";
 constexpr char kContact[] = "body_contact";
+constexpr char kCut[] = "body_cut";
 
 /// @tparam Values std::vector or Eigen::VectorXd.
 template <class Values>
@@ -169,12 +170,30 @@ void write_contact(const Database& database, BodyId body, const Scene& scene) {
   insert.run();
 }
 
+sqlite::Statement::Blob blob_of(const std::vector<OpenedFaces>& faces) {
+  return {faces.data(), faces.size() * sizeof faces[0]};
+}
+
+/// @param cut It has faces.
+void write_cut(const Database& database, BodyId body, const Cut& cut) {
+  make_table(database, kCut);
+  Statement insert(database, Table(kCut).insert("ABORT"));
+  insert.bind(body);
+  insert.bind(std::int64_t{cut.stage});
+  insert.bind(cut.area);
+  const sqlite::Statement::Blob faces = blob_of(cut.faces);
+  insert.bind(faces.data, faces.bytes);
+  insert.bind(rows::checksum(body, cut.stage, cut.area, faces));
+  insert.run();
+}
+
 void write_body(const Database& database, BodyId body, const Scene& scene,
                 const SettledBody& at_rest, double solver_tolerance) {
   write_scene(database, body, scene, solver_tolerance);
   if (scene.organ.has_body_force()) write_body_force(database, body, scene, at_rest);
   if (scene.body.has_supports_or_surface_loads()) write_boundary(database, body, scene, at_rest);
   if (scene.organ.touching != TouchingParts::none) write_contact(database, body, scene);
+  if (!scene.body.cut.faces.empty()) write_cut(database, body, scene.body.cut);
 }
 
 }  // namespace
@@ -284,6 +303,7 @@ Scene Bodies::read(BodyId body) const {
   if (has_table(database, kBodyForce)) read_body_force(body, scene.organ, at_rest);
   if (has_table(database, kBoundary)) read_boundary(body, scene, at_rest);
   if (has_table(database, kContact)) read_contact(body, scene);
+  if (has_table(database, kCut)) read_cut(body, scene.body.cut);
   if (hash(scene) != stored_hash) {
     throw_damaged(database.path(), "the scene has not the hash it was stored with");
   }
@@ -416,12 +436,27 @@ void Bodies::read_contact(BodyId body, Scene& scene) const {
   select.bind(body);
   if (!select.step()) throw_damaged(connection_.path(), "the contact of the parts is missing");
   const std::int64_t touching = select.take_integer();
-  if (touching < 1 || touching > 2) throw_damaged(connection_.path(), "an unknown contact");
+  if (touching < 1 || touching > 3) throw_damaged(connection_.path(), "an unknown contact");
   scene.organ.touching = static_cast<TouchingParts>(touching);
   scene.organ.contact.thickness = select.take_double();
   scene.organ.contact.stiffness = select.take_double();
   take_array(select, blobs::of_cells(head(body).num_cells), database, "part_of_cell",
              scene.body.part_of_cell);
+}
+
+void Bodies::read_cut(BodyId body, Cut& cut) const {
+  const Database& database = connection_.database();
+  Statement select(database,
+                   "SELECT stage, area, faces, checksum FROM body_cut WHERE scene_id = ?");
+  select.bind(body);
+  if (!select.step()) return;
+  const std::int64_t stage = select.take_integer();
+  cut.area = select.take_double();
+  take_array(select, blobs::faces_of_cells(head(body).num_cells), database, "the cut", cut.faces);
+  if (select.take_integer() != rows::checksum(body, stage, cut.area, blob_of(cut.faces))) {
+    throw_damaged(connection_.path(), "the cut is none");
+  }
+  cut.stage = static_cast<std::int32_t>(stage);
 }
 
 void Bodies::read_body_force(BodyId body, Organ& organ, SettledBody& at_rest) const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bodies of a file: the tables scene, material, body_force, boundary_array
-// and body_contact.
+// The bodies of a file: the tables scene, material, body_force, boundary_array, body_contact and
+// body_cut.
 //
 // A file has one body at least. Several are discretisations of one organ: they have meshes of their
 // own, the same materials and body force, and all or none of them supports and loads of the
@@ -99,6 +99,9 @@ class Bodies {
   /// Reads which parts touch each other.
   /// @throws InputError it is damaged.
   void read_contact(BodyId body, Scene& scene) const;
+  /// Reads the cut, if the body has one.
+  /// @throws InputError it is damaged.
+  void read_cut(BodyId body, Cut& cut) const;
 
   Connection& connection_;
   std::map<BodyId, BodyHead> heads_;

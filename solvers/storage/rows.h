@@ -211,6 +211,9 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 [[nodiscard]] std::int64_t checksum(BodyId body, const std::vector<char>& touchable,
                                     double solver_tolerance);
 [[nodiscard]] std::int64_t checksum(BodyId body, const SettledBody& settled);
+/// The checksum of a cut.
+[[nodiscard]] std::int64_t checksum(BodyId body, std::int64_t stage, double area,
+                                    sqlite::Statement::Blob faces);
 /// The checksum of an array of what holds and loads the surface.
 [[nodiscard]] std::int64_t checksum(BodyId body, const std::string& name,
                                     sqlite::Statement::Blob numbers);

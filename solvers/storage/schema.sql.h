@@ -249,11 +249,25 @@ CREATE TABLE boundary_array (
 inline constexpr char kBodyContactSchema[] = R"sql(
 CREATE TABLE body_contact (
   scene_id     INTEGER PRIMARY KEY REFERENCES scene,
-  touching     INTEGER NOT NULL,      -- 1: each part touches the others, 2: itself too
+  touching     INTEGER NOT NULL,      -- 1: each part touches the others, 2: itself too, 3: the
+                                      -- sides of a cut each other
   thickness    NOT NULL,              -- of the layer in which they press each other, m
   stiffness    NOT NULL,              -- the pressure at the end of the layer, Pa
   part_of_cell BLOB                   -- int32 [num_cells]; NULL: there is one part. The hash of the
                                       -- scene takes in all of this
+);
+)sql";
+
+// The table of cuts is made with the file of a scene that has one.
+inline constexpr char kBodyCutSchema[] = R"sql(
+CREATE TABLE body_cut (
+  scene_id INTEGER PRIMARY KEY REFERENCES scene,
+  stage    INTEGER NOT NULL,          -- up to which the cut is open
+  area     NOT NULL,                  -- of the sheet that is open then, m2
+  faces    BLOB NOT NULL,             -- int32 [num_cells x 4], the stage at which the face opposite
+                                      -- to each corner opens; 0: never
+  checksum INTEGER NOT NULL           -- XXH3 (64 bit) of the bytes of faces, seeded with that of
+                                      -- area, seeded with that of stage
 );
 )sql";
 
@@ -325,9 +339,9 @@ struct OptionalTable {
   const char* schema;
 };
 inline constexpr OptionalTable optional_tables[] = {
-    {"reduced_array", kReducedSchema},   {"body_force", kBodyForceSchema},
-    {"boundary_array", kBoundarySchema}, {"contact_offset", kContactOffsetSchema},
-    {"mesh_region", kMeshRegionSchema},  {"mesh_error", kMeshErrorSchema},
-    {"body_contact", kBodyContactSchema}};
+    {"reduced_array", kReducedSchema},    {"body_force", kBodyForceSchema},
+    {"boundary_array", kBoundarySchema},  {"contact_offset", kContactOffsetSchema},
+    {"mesh_region", kMeshRegionSchema},   {"mesh_error", kMeshErrorSchema},
+    {"body_contact", kBodyContactSchema}, {"body_cut", kBodyCutSchema}};
 
 }  // namespace palpate::storage

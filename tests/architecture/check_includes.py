@@ -64,8 +64,8 @@ class Unit(NamedTuple):
 
 
 # The parts of solvers/ in order: each may include those before it.
-SOLVER_PARTS = ["base", "threads", "mesh", "cutting", "materials", "reduced", "elements",
-                "assembly", "interaction", "soft_contact", "linear", "iterative", "equilibrium",
+SOLVER_PARTS = ["base", "threads", "mesh", "materials", "reduced", "elements", "assembly",
+                "cutting", "interaction", "soft_contact", "linear", "iterative", "equilibrium",
                 "discretisation", "dynamics", "state_space", "fields", "interpolation", "storage",
                 "schedule", "exploration", "following", "reduction", "accuracy", "explorers"]
 

@@ -57,17 +57,51 @@ def test_opened():
     """A cut makes the body softer from stage to stage."""
     forces = []
     for stage in (0, 2, 4):
-        cut = PlaceCut(Input=body(f"opened{stage}"), Sheet=sheet(), CutDirection=[1, 0, 0],
-                       StageSpacing=0.01, Stage=stage)
-        boundary = SetBoundary(Input=AssignMaterial(Input=cut, Law="Neo-Hookean"),
-                               FixedRegion="Plane")
-        boundary.FixedRegion.Origin = [0, 0, 1e-6]
-        boundary.FixedRegion.Normal = [0, 0, 1]
+        boundary = boundary_at(f"opened{stage}", stage)
         tip = {"ActiveNodes": [node_at(boundary, [0, 0.03, LENGTHS[2]])], "TipRadius": 0.012}
         solved = fetch(SolveEquilibrium(Input=boundary, Displacement=[0, 0, 0.004], **tip))
         assert field(solved, "Outcome")[0] == 0
         forces.append(field(solved, "ReactionForce")[0][2])
     assert forces[0] > 1.1 * forces[1] > 1.1**2 * forces[2] > 0, forces
+
+
+def boundary_at(name, stage, **contact):
+    """The body with its cut open up to a stage, held at its bottom."""
+    cut = PlaceCut(Input=body(name), Sheet=sheet(), CutDirection=[1, 0, 0], StageSpacing=0.01,
+                   Stage=stage)
+    boundary = SetBoundary(Input=AssignMaterial(Input=cut, Law="Neo-Hookean"),
+                           FixedRegion="Plane", **contact)
+    boundary.FixedRegion.Origin = [0, 0, 1e-6]
+    boundary.FixedRegion.Normal = [0, 0, 1]
+    return boundary
+
+
+def pressed(boundary):
+    """The force that presses the top down above the cut."""
+    node = node_at(boundary, [LENGTHS[0] / 3, 0.03, LENGTHS[2]])
+    solved = fetch(SolveEquilibrium(Input=boundary, Displacement=[0, 0, -0.003],
+                                    ActiveNodes=[node], TipRadius=0.012))
+    assert field(solved, "Outcome")[0] == 0
+    layer = field(solved, "PartLayerForce")[0][2] if boundary.Input.Input.Stage else 0
+    return field(solved, "ReactionForce")[0][2], layer
+
+
+def test_lips():
+    """A closed cut that is pressed is about as stiff as the body without it."""
+    whole, _ = pressed(boundary_at("whole", 0))
+    usual, layer = pressed(boundary_at("usual", 4))
+    thin, thin_layer = pressed(boundary_at("thin", 4, Contact="Between Sides Of A Cut",
+                                           ContactThickness=1e-4))
+    assert whole < thin < usual < 0.94 * whole < 0, (whole, thin, usual)
+    # A part of it is the layer that is told; the rest is true slip.
+    assert usual - layer < 0.96 * whole, (whole, usual, layer)
+    assert layer > 2 * thin_layer > 0, (layer, thin_layer)
+
+
+def test_contact_of_a_cut_needs_one():
+    uncut = SetBoundary(Input=AssignMaterial(Input=body("uncut"), Law="Neo-Hookean"),
+                        FixedRegion="Plane", Contact="Between Sides Of A Cut")
+    expect_error(uncut.UpdatePipeline, "the body has no cut", "Place Cut")
 
 
 def test_refused():

@@ -53,7 +53,7 @@ Results run(const ContactKernels& kernels, double turn) {
   std::vector<double> reaches(num_faces, kReach);
   for (std::size_t f = 0; f < num_faces; f += 2) reaches[f] = 1.3 * kReach;
   const ContactPoints surface(scene.body, std::vector<double>(num_faces, kSpacing), reaches);
-  const TouchRule rule(surface, false);
+  const TouchRule rule(surface, TouchingParts::others);
   Random random(3);
   const auto size = 3 * static_cast<Eigen::Index>(surface.rest().size());
   const NodalVector state = random.vector(size, turn);
