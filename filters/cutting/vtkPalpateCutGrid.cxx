@@ -119,8 +119,6 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
   own->SetName(vtkPalpateArray::Stage);
   own->InsertNextValue(stage);
   result->GetFieldData()->AddArray(own);
-  result->GetFieldData()->AddArray(
-    FieldOf(vtkPalpateArray::TornArea, { cut.areas[static_cast<std::size_t>(stage)] }));
   return result;
 }
 

@@ -179,20 +179,18 @@ void ReadContact(vtkUnstructuredGrid* grid, palpate::Scene& scene)
   }
 }
 
-/// The only value of a field array.
-/// @throws palpate::InputError there is none.
-double FieldValue(vtkUnstructuredGrid* grid, const char* name)
+/// @throws palpate::InputError there is none, or not of this size.
+vtkDataArray* ArrayOfCut(vtkUnstructuredGrid* grid, const char* name, vtkIdType least)
 {
   vtkDataArray* array = grid->GetFieldData()->GetArray(name);
-  if (!array || array->GetNumberOfValues() != 1)
+  if (!array || array->GetNumberOfValues() < least || array->GetNumberOfComponents() != 1)
   {
     throw InputError(std::string("The body has a cut (cell array ") + vtkPalpateArray::CutStage +
       "), but no field array " + name +
-      " of one value, as Place Cut writes it. Apply Place Cut "
-      "again, or take " +
-      vtkPalpateArray::CutStage + " away.");
+      ", as Place Cut writes it. Apply Place Cut again, or take " + vtkPalpateArray::CutStage +
+      " away.");
   }
-  return array->GetComponent(0, 0);
+  return array;
 }
 
 void ReadCut(vtkUnstructuredGrid* grid, palpate::Scene& scene)
@@ -209,8 +207,13 @@ void ReadCut(vtkUnstructuredGrid* grid, palpate::Scene& scene)
       " components; it must have 4, one for each face of the cell.");
   }
   palpate::Cut& cut = scene.body.cut;
-  cut.stage = static_cast<std::int32_t>(FieldValue(grid, vtkPalpateArray::Stage));
-  cut.area = FieldValue(grid, vtkPalpateArray::TornArea);
+  cut.stage =
+    static_cast<std::int32_t>(ArrayOfCut(grid, vtkPalpateArray::Stage, 1)->GetComponent(0, 0));
+  vtkDataArray* areas = ArrayOfCut(grid, vtkPalpateArray::StageArea, 2);
+  for (vtkIdType of = 0; of < areas->GetNumberOfTuples(); ++of)
+  {
+    cut.areas.push_back(areas->GetComponent(of, 0));
+  }
   cut.faces.resize(static_cast<std::size_t>(stages->GetNumberOfTuples()));
   for (std::size_t cell = 0; cell < cut.faces.size(); ++cell)
   {
@@ -245,9 +248,10 @@ void WriteCut(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
   stage->SetName(vtkPalpateArray::Stage);
   stage->InsertNextValue(cut.stage);
   grid->GetFieldData()->AddArray(stage);
-  const auto area = Numbers(vtkPalpateArray::TornArea, 1, 1);
-  area->SetValue(0, cut.area);
-  grid->GetFieldData()->AddArray(area);
+  const auto areas =
+    Numbers(vtkPalpateArray::StageArea, 1, static_cast<vtkIdType>(cut.areas.size()));
+  std::copy(cut.areas.begin(), cut.areas.end(), areas->GetPointer(0));
+  grid->GetFieldData()->AddArray(areas);
 }
 
 void WriteContact(const palpate::Scene& scene, vtkUnstructuredGrid* grid)

@@ -14,7 +14,7 @@
 //   cell array `CutStage` (4 components)
 //                                 the stage at which the face opposite to each corner of the cell
 //                                 opens; 0: never. With the field arrays `Stage`, that at which the
-//                                 mesh is, and `TornArea`, which is open then, m²
+//                                 mesh is, and `StageArea`, which is open at each stage, m²
 //   cell arrays of the rheology   `Density`, …: vtkPalpateMaterials.h; for motion and weight alone
 //
 // Ids of points and cells are the same in the grid and in the scene.
@@ -54,7 +54,6 @@ inline constexpr const char* ContactPart = "ContactPart";
 inline constexpr const char* PartContact = "PartContact";
 inline constexpr const char* CutStage = "CutStage";
 inline constexpr const char* Stage = "Stage";
-inline constexpr const char* TornArea = "TornArea";
 /// A field array: the area that is open at each stage, m².
 inline constexpr const char* StageArea = "StageArea";
 }

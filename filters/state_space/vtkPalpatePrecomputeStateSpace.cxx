@@ -11,6 +11,7 @@
 
 #include "base/content_hash.h"
 #include "base/error.h"
+#include "cutting/opened_scene.h"
 #include "exploration/precompute.h"
 #include "exploration/region_bodies.h"
 #include "following/begin_following.h"
@@ -44,12 +45,13 @@ namespace
 {
 /// The key of everything that a state space depends on.
 /// @param region The region of the tool; null: there is none.
-/// @param meshes What the properties ask of the meshes of regions.
+/// @param meshes What the properties ask of the meshes of regions. @param cutStages Which stages of
+///   a cut they ask for.
 std::string KeyOf(const palpate::Scene& scene, const palpate::PrecomputeOptions& options,
-  vtkImplicitFunction* region, const palpate::RegionOptions& meshes)
+  vtkImplicitFunction* region, const palpate::RegionOptions& meshes, int cutStages)
 {
   palpate::ContentHash key;
-  key.add(meshes.tolerance).add(meshes.size).add(meshes.max_cells);
+  key.add(meshes.tolerance).add(meshes.size).add(meshes.max_cells).add(cutStages);
   key.add(palpate::hash(scene)).add(scene.body.touchable).add(options.active_nodes);
   key.add(options.tip_radius).add(options.half_width).add(options.resolution);
   key.add(options.tolerance).add(options.tolerance_is_relative).add(options.force_limit);
@@ -338,6 +340,10 @@ std::vector<palpate::BodyOfRun> vtkPalpatePrecomputeStateSpace::BodiesOfRun(
   palpate::Communicator& communicator)
 {
   this->MeshSeconds = 0;
+  if (this->HasStages(*scene))
+  {
+    return this->Stages(*scene, options);
+  }
   if (this->MeshTolerance == 0)
   {
     return { { scene, options.active_nodes } };
@@ -378,6 +384,60 @@ std::vector<palpate::BodyOfRun> vtkPalpatePrecomputeStateSpace::BodiesOfRun(
     this->WarnOf(organ.meshes);
   }
   return std::move(organ.bodies);
+}
+
+bool vtkPalpatePrecomputeStateSpace::HasStages(const palpate::Scene& scene) const
+{
+  const palpate::Cut& cut = scene.body.cut;
+  return this->CutStages == ALL_STAGES && !cut.faces.empty() && cut.stage == 0;
+}
+
+std::vector<palpate::BodyOfRun> vtkPalpatePrecomputeStateSpace::Stages(
+  const palpate::Scene& scene, const palpate::PrecomputeOptions& options) const
+{
+  if (this->MeshTolerance > 0)
+  {
+    throw palpate::InputError(
+      "MeshTolerance is set, but the body has a cut, whose stages need one mesh. Refine the mesh "
+      "before Place Cut, and set MeshTolerance to 0.");
+  }
+  if (options.contact)
+  {
+    throw palpate::InputError("The body has a cut, and the tool is rigid: it is not known yet how a "
+                              "cut opens under a rigid tool. Choose the tool Bonded Node, or set "
+                              "CutStages to This Stage, for which the cut stays as it is.");
+  }
+  if (scene.has_load())
+  {
+    throw palpate::InputError("The body has a cut and a load, under which each stage of the cut rests "
+                              "elsewhere, so that their energies cannot be compared. Take the load "
+                              "away (BodyForce, or that of Set Boundary), or set CutStages to This "
+                              "Stage.");
+  }
+  if (this->Exploration != WHOLE_SPACE)
+  {
+    throw palpate::InputError("The stages of a cut are explored as a whole only. Set Exploration "
+                              "to Whole Space, or CutStages to This Stage.");
+  }
+  std::vector<palpate::BodyOfRun> bodies;
+  for (palpate::Scene& stage : palpate::open_stages(scene))
+  {
+    std::vector<palpate::Index> nodes = options.active_nodes;
+    if (nodes.empty() && !options.contact)
+    {
+      // Points that the cut doubles are no nodes of their own.
+      const palpate::Body& body = scene.body;
+      for (palpate::Index p = 0; p < body.mesh.num_points(); ++p)
+      {
+        if (body.touchable[p] != 0 && body.fixed[p] == 0)
+        {
+          nodes.push_back(p);
+        }
+      }
+    }
+    bodies.push_back({ std::make_shared<const palpate::Scene>(std::move(stage)), nodes });
+  }
+  return bodies;
 }
 
 void vtkPalpatePrecomputeStateSpace::WarnOf(const std::vector<palpate::RegionMesh>& meshes)
@@ -508,6 +568,16 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
 
     palpate::PrecomputeOptions options =
       this->Options(vtkPalpateInput<vtkPolyData>(inputVector[SurfacePort]), controller);
+    if (this->HasStages(*scene))
+    {
+      if (this->History == LEVELS)
+      {
+        throw palpate::InputError("History is Levels, but the body has a cut, and a body that tears "
+                                  "is not followed from branch to branch. Set History to Flat, or "
+                                  "CutStages to This Stage.");
+      }
+      options.history = palpate::History::flat;
+    }
     if (this->Exploration == AROUND_THE_HAND)
     {
       this->LastOf.clear();
@@ -533,7 +603,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
 
     const std::string of =
       KeyOf(*scene, options, this->UseToolRegion ? this->ToolRegion.Get() : nullptr,
-        { this->MeshTolerance, this->RegionSize, this->MaximumCells });
+        { this->MeshTolerance, this->RegionSize, this->MaximumCells }, this->CutStages);
     const bool fileIsThere = this->FileName.empty() || std::filesystem::exists(this->FileName);
     if (!palpate::any(communicator, of != this->LastOf || !fileIsThere))
     {
@@ -665,6 +735,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "IntermediateStates: " << this->IntermediateStates << '\n'
      << indent << "ThirdDerivatives: " << this->ThirdDerivatives << '\n'
      << indent << "EstimateMeshError: " << this->EstimateMeshError << '\n'
+     << indent << "CutStages: " << this->CutStages << '\n'
      << indent << "MeshTolerance: " << this->MeshTolerance << '\n'
      << indent << "RegionSize: " << this->RegionSize << '\n'
      << indent << "MaximumCells: " << this->MaximumCells << '\n'

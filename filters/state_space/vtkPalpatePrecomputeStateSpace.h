@@ -83,6 +83,17 @@ public:
     WHOLE_SPACE = 0,
     AROUND_THE_HAND = 1
   };
+  enum StagesOfCut : int
+  {
+    ALL_STAGES = 0,
+    THIS_STAGE = 1
+  };
+  ///@{
+  /// Of a body with a cut that is closed (Place Cut): whether all stages of the cut are explored,
+  /// so that it can be torn, or the body as it is given.
+  vtkSetClampMacro(CutStages, int, ALL_STAGES, THIS_STAGE);
+  vtkGetMacro(CutStages, int);
+  ///@}
   ///@{
   /// What is explored here: the whole space, or nothing but a first configuration, since the rest
   /// is explored around the hand while the body is touched. Needs a rigid tool and a FileName.
@@ -289,6 +300,11 @@ private:
   /// @note Collective.
   std::vector<palpate::BodyOfRun> BodiesOfRun(const std::shared_ptr<const palpate::Scene>& scene,
     const palpate::PrecomputeOptions& options, palpate::Communicator& communicator);
+  /// Whether all stages of a cut are explored.
+  bool HasStages(const palpate::Scene& scene) const;
+  /// The stages of the cut of a body, the last one first.
+  std::vector<palpate::BodyOfRun> Stages(
+    const palpate::Scene& scene, const palpate::PrecomputeOptions& options) const;
   void WarnOf(const std::vector<palpate::RegionMesh>& meshes);
   /// Gives what there is of a space that is explored around a hand. @note Collective.
   void BeginFollowing(std::shared_ptr<const palpate::Scene> scene,
@@ -297,6 +313,7 @@ private:
 
   bool Graspable = false;
   int Exploration = WHOLE_SPACE;
+  int CutStages = ALL_STAGES;
   bool UseToolRegion = false;
   vtkSmartPointer<vtkImplicitFunction> ToolRegion;
   double Depth = 0.005;

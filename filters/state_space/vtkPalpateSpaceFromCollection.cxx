@@ -100,6 +100,23 @@ void ReadSurface(vtkDataSet* data, TouchSpace& space)
     surface.triangles.push_back({ static_cast<Index>(corners->GetId(0)),
       static_cast<Index>(corners->GetId(1)), static_cast<Index>(corners->GetId(2)) });
   }
+  if (!data->GetFieldData()->HasArray(StagesOfCut))
+  {
+    return;
+  }
+  surface.num_of_cut = static_cast<std::size_t>(
+    Required(data->GetFieldData(), SidesOfCut, 1)->GetComponent(0, 0));
+  if (surface.num_of_cut > surface.triangles.size())
+  {
+    throw InputError("The Surface of the state space has fewer triangles than its cut. Compute the "
+                     "state space again.");
+  }
+  vtkDataArray* stages = Required(data->GetFieldData(), StagesOfCut, 2);
+  for (vtkIdType s = 0; s < stages->GetNumberOfTuples(); ++s)
+  {
+    space.stages.push_back(
+      { static_cast<palpate::BodyId>(stages->GetComponent(s, 0)), stages->GetComponent(s, 1) });
+  }
 }
 
 /// A visitor for ForEachDoubleArray and the like, which reads the array of a figure of each of the

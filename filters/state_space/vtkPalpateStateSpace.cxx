@@ -135,6 +135,18 @@ vtkSmartPointer<vtkPolyData> SurfaceData(TouchSpace& space)
   }
   data->SetPoints(points);
   data->SetPolys(triangles);
+  if (!space.stages.empty())
+  {
+    auto* sides = AddArray<vtkIdTypeArray>(data->GetFieldData(), SidesOfCut, 1, 1);
+    sides->SetValue(0, static_cast<vtkIdType>(surface.num_of_cut));
+    auto* stages = AddArray<vtkDoubleArray>(data->GetFieldData(), StagesOfCut, 2,
+      static_cast<vtkIdType>(space.stages.size()));
+    for (std::size_t s = 0; s < space.stages.size(); ++s)
+    {
+      stages->SetTuple2(static_cast<vtkIdType>(s), static_cast<double>(space.stages[s].body),
+        space.stages[s].area);
+    }
+  }
   return data;
 }
 

@@ -28,6 +28,11 @@ constexpr const char* BodyNumber = "BodyNumber";
 constexpr const char* BodyNumbers = "BodyNumbers";
 constexpr const char* MaterialPoints = "MaterialPoints";
 
+/// Field arrays of the surface of an organ that is cut: how many triangles at its end are sides of
+/// the cut, and of each stage the body and the area (m²).
+constexpr const char* SidesOfCut = "SidesOfCut";
+constexpr const char* StagesOfCut = "StagesOfCut";
+
 /// The numbers of the blocks of a name, which others than we may have made several of.
 std::vector<unsigned int> FindBlocks(
   vtkPartitionedDataSetCollection* collection, const std::string& name);

@@ -2,6 +2,7 @@
 #include "vtkPalpateTouchStateSpace.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "base/error.h"
 #include "base/memory_error.h"
 #include "base/printable.h"
+#include "base/quantity.h"
 #include "interaction/mesh_error.h"
 #include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
@@ -19,6 +21,7 @@
 #include "interpolation/outcome_at.h"
 #include "interpolation/solution_branches.h"
 #include "interpolation/tool_force.h"
+#include "interpolation/torn_energy.h"
 #include "state_space/shown_surface.h"
 #include "storage/field_cache.h"
 #include "vtkCellArray.h"
@@ -261,6 +264,8 @@ struct vtkPalpateTouchStateSpace::Part
   const palpate::Interpolator* Force = nullptr;
   /// How the whole body is displaced; null: it was not asked for.
   std::unique_ptr<palpate::BodyField>* Field = nullptr;
+  /// How the surface is displaced by the modes of an active node; null: a rigid tool has none.
+  std::unique_ptr<palpate::DisplayField>* Shown = nullptr;
   WholeBodyOf* Whole = nullptr;
 };
 
@@ -286,6 +291,8 @@ struct vtkPalpateTouchStateSpace::Prepared
   /// The branch that was asked for: its tool space and its number.
   palpate::ToolSpaceKey Key;
   int OnBranch = 0;
+  /// Of a space with the stages of a cut: the area that is open, m², and G, J/m².
+  std::optional<std::pair<double, double>> Torn;
   /// The whole bodies and their fields, as long as they are asked for.
   std::unique_ptr<palpate::FieldCache> Fields;
   std::optional<palpate::SpaceBody> FirstBody;
@@ -462,6 +469,76 @@ void vtkPalpateTouchStateSpace::SetFeltForce(const double* force)
   this->Modified();
 }
 
+std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindStages(
+  const TouchToolSpace& toolSpace, const double at[3], palpate::TouchResult& touch)
+{
+  const palpate::Vec3 t(at);
+  Prepared& cache = *this->Cache;
+  const std::pair<int, bool> how(this->Interpolation, this->CorrectMeshError);
+  palpate::InterpolationOptions options;
+  options.correct_mesh_error = this->CorrectMeshError;
+  for (const auto& [name, value] : { std::pair{ "TornArea", this->TornArea },
+         std::pair{ "FractureToughness", this->FractureToughness } })
+  {
+    if (!(value >= 0) || !std::isfinite(value))
+    {
+      throw palpate::InputError(std::string(name) + " is " + palpate::quantity(value) +
+        ", but must be a number of 0 or more.");
+    }
+  }
+  std::vector<double> areas;
+  std::vector<const TouchToolSpace*> spaces;
+  for (const palpate::StageOfCut& stage : cache.Space.stages)
+  {
+    areas.push_back(stage.area);
+    spaces.push_back(cache.Space.find({ toolSpace.setup.id, stage.body }));
+    if (!spaces.back())
+    {
+      throw palpate::InputError(toolSpace.setup.name() +
+        " was not explored at all stages of the cut. Run Precompute State Space on to its end.");
+    }
+  }
+  const palpate::TornEnergy energy(areas);
+  const auto interpolator = [&](int stage) -> const palpate::Interpolator&
+  {
+    const TouchToolSpace& of = *spaces[static_cast<std::size_t>(stage)];
+    auto& made = cache.Branches[{ of.setup.key(), 0 }].Interpolators[how];
+    if (!made)
+    {
+      made = palpate::make_interpolator(
+        static_cast<palpate::Method>(this->Interpolation), of, options);
+    }
+    return *made;
+  };
+  const auto atStage = [&](int stage) { return interpolator(stage).evaluate(t); };
+  double area = std::min(this->TornArea, energy.whole_area());
+  if (this->FractureToughness > 0)
+  {
+    area = energy.tear(area, this->FractureToughness, energy.whole_area(), atStage);
+  }
+  const palpate::TornResult result = energy.evaluate(area, atStage);
+  touch = result.touch;
+  cache.Torn = { area, result.release_rate };
+  cache.Key = toolSpace.setup.key();
+  cache.OnBranch = 0;
+  std::vector<Part> parts;
+  const int below = energy.stage_below(area);
+  const double share = energy.share_above(area);
+  for (const auto& [stage, weight] : { std::pair(below, 1 - share), std::pair(below + 1, share) })
+  {
+    if (weight > 0)
+    {
+      const TouchToolSpace* of = spaces[static_cast<std::size_t>(stage)];
+      Prepared::Branch& branch = cache.Branches[{ of->setup.key(), 0 }];
+      parts.push_back(
+        { of, weight, &interpolator(stage), &branch.BodyField, &branch.Field, nullptr });
+    }
+  }
+  std::sort(
+    parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.Weight > b.Weight; });
+  return parts;
+}
+
 std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindParts(
   const TouchToolSpace& toolSpace, const double at[3], palpate::TouchResult& touch)
 {
@@ -472,6 +549,11 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
   palpate::InterpolationOptions options;
   options.correct_mesh_error = this->CorrectMeshError;
   std::vector<Part> parts;
+  cache.Torn.reset();
+  if (!toolSpace.setup.presses() && !cache.Space.stages.empty())
+  {
+    return this->FindStages(toolSpace, at, touch);
+  }
   if (!toolSpace.setup.presses())
   {
     const palpate::Vec3 start(this->StartDisplacement);
@@ -499,7 +581,7 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
     touch = interpolator(cache.OnBranch).evaluate(t);
     parts.push_back({ &cache.SpaceOnBranch(toolSpace, &branches, cache.OnBranch), 1,
       &interpolator(cache.OnBranch), &cache.Branches[{ cache.Key, cache.OnBranch }].BodyField,
-      nullptr });
+      &cache.Branches[{ cache.Key, cache.OnBranch }].Field, nullptr });
     return parts;
   }
   std::optional<palpate::Vec3> start;
@@ -523,7 +605,8 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
   {
     findBranch(*cache.Found.tool_space, *cache.Found.force);
     parts.push_back(
-      { cache.Found.tool_space.get(), 1, &cache.Found.force->part(0), &cache.LiveField, nullptr });
+      { cache.Found.tool_space.get(), 1, &cache.Found.force->part(0), &cache.LiveField, nullptr,
+        nullptr });
     return parts;
   }
   const std::vector<const TouchToolSpace*> pressing = cache.Space.list_pressing();
@@ -537,7 +620,8 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
   {
     parts.push_back({ &cache.SpaceOnBranch(*pressing.front(), force->branches(), cache.OnBranch), 1,
       &force->on(cache.OnBranch),
-      &cache.Branches[{ pressing.front()->setup.key(), cache.OnBranch }].BodyField, nullptr });
+      &cache.Branches[{ pressing.front()->setup.key(), cache.OnBranch }].BodyField, nullptr,
+      nullptr });
     return parts;
   }
   force->visit_weights(t,
@@ -545,13 +629,13 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
     {
       const TouchToolSpace* of = pressing[number];
       parts.push_back({ of, weight, &force->part(number),
-        &cache.Branches[{ of->setup.key(), 0 }].BodyField, nullptr });
+        &cache.Branches[{ of->setup.key(), 0 }].BodyField, nullptr, nullptr });
     });
   if (parts.empty())
   {
     // The place is not finite.
     parts.push_back({ pressing.front(), 1, &force->part(0),
-      &cache.Branches[{ pressing.front()->setup.key(), 0 }].BodyField, nullptr });
+      &cache.Branches[{ pressing.front()->setup.key(), 0 }].BodyField, nullptr, nullptr });
   }
   std::sort(
     parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.Weight > b.Weight; });
@@ -766,14 +850,19 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   Eigen::VectorXf u = Eigen::VectorXf::Zero(3 * static_cast<Eigen::Index>(surface.num_points()));
   if (!presses)
   {
-    auto& field = this->Cache->Branches[{ this->Cache->Key, this->Cache->OnBranch }].Field;
-    if (!field)
+    for (const Part& part : parts)
     {
-      field = std::make_unique<palpate::DisplayField>(*leading.Space);
-    }
-    if (touch.support != palpate::Support::none)
-    {
-      u = BySurfaceModes(toolSpace, *field, t);
+      auto& field = *part.Shown;
+      if (!field)
+      {
+        field = std::make_unique<palpate::DisplayField>(*part.Space);
+      }
+      if (touch.support != palpate::Support::none)
+      {
+        // The modes are those of all branches.
+        u += static_cast<float>(part.Weight) *
+          BySurfaceModes(*space.find(part.Space->setup.key()), *field, t);
+      }
     }
   }
   else if (problem.empty())
@@ -799,6 +888,11 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
     AddVector(output, "MeshErrorBound", 1, &error.bound);
     AddInteger(output, "MeshErrorReliable", error.trust == palpate::MeshErrorTrust::reliable);
     AddInteger(output, "MeshErrorCorrected", error.is_corrected);
+  }
+  if (const auto& torn = this->Cache->Torn)
+  {
+    AddVector(output, "TornArea", 1, &torn->first);
+    AddVector(output, "ReleaseRate", 1, &torn->second);
   }
   if (presses)
   {
@@ -860,6 +954,8 @@ void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << this->StartDisplacement[1] << ' ' << this->StartDisplacement[2] << '\n'
      << indent << "StartBranch: " << this->StartBranch << '\n'
      << indent << "Branch: " << this->Branch << '\n'
+     << indent << "TornArea: " << this->TornArea << " m^2\n"
+     << indent << "FractureToughness: " << this->FractureToughness << " J/m^2\n"
      << indent << "Interpolation: " << this->Interpolation << '\n'
      << indent << "CorrectMeshError: " << this->CorrectMeshError << '\n'
      << indent << "Stress: " << this->Stress << '\n'

@@ -21,6 +21,9 @@
  *                       whether Force is smaller by MeshError already, see CorrectMeshError
  *   `Branch`            the branch that the body is on, in a space with levels; 0: that of rest
  *   `ActiveNode`        the active node
+ *   `TornArea`, `ReleaseRate`
+ *                       of a space with the stages of a cut: the area that is open, m^2, and the
+ *                       energy that a larger one would release, J/m^2
  *   `ActivePosition`    the displaced place of the active node, m
  *
  * The tool space of a rigid tool, whose centre is at ToolPosition, has instead of the last three
@@ -140,6 +143,17 @@ public:
   /// nearest to it, whatever the properties of the start and Branch say. Null: it is not known.
   void SetFeltForce(const double* force);
   ///@{
+  /// Of a space with the stages of a cut: the area of the cut that is open, m².
+  vtkSetMacro(TornArea, double);
+  vtkGetMacro(TornArea, double);
+  ///@}
+  ///@{
+  /// The energy that it takes to open an area of the cut, J/m²: from TornArea on it tears as far as
+  /// that pays for itself (solvers/interpolation/torn_energy.h). 0: it does not tear.
+  vtkSetMacro(FractureToughness, double);
+  vtkGetMacro(FractureToughness, double);
+  ///@}
+  ///@{
   /// How the force is interpolated, see InterpolationMethods.
   vtkSetMacro(Interpolation, int);
   vtkGetMacro(Interpolation, int);
@@ -186,6 +200,9 @@ private:
   /// The tool spaces that have a weight at t, the one with the most first, and the force by them.
   std::vector<Part> FindParts(
     const palpate::TouchToolSpace& toolSpace, const double t[3], palpate::TouchResult& touch);
+  /// The stages of the cut between which the body is, and the force by them.
+  std::vector<Part> FindStages(
+    const palpate::TouchToolSpace& toolSpace, const double t[3], palpate::TouchResult& touch);
   /// Finds the displacement of the whole body of a part, on the rank that has the space.
   void FindWholeBody(Part& part, const double t[3]);
   /// Adds what a rigid tool does to the surface.
@@ -197,6 +214,8 @@ private:
 
   vtkIdType ActiveNode = -1;
   vtkIdType BodyNumber = 1;
+  double TornArea = 0;
+  double FractureToughness = 0;
   double Displacement[3] = { 0, 0, 0 };
   double ToolPosition[3] = { 0, 0, 0 };
   bool FromStart = false;

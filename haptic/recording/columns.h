@@ -98,10 +98,11 @@ void visit_columns(Record& record, Visit&& visit) {
   visit(Name{"mesh_error_bound", "N", {}, 4}, mesh_error.bound);
   visit(Name{"mesh_error_trust", {}, {}, 4}, mesh_error.trust);
   visit(Name{"mesh_error_corrected", {}, {}, 4}, mesh_error.is_corrected);
+  visit(Name{"torn_area", "m2", {}, 6}, contact.torn_area);
 }
 
 /// The version of the recordings that are written.
-inline constexpr int kVersion = 5;
+inline constexpr int kVersion = 6;
 
 /// The name of the last column.
 inline constexpr std::string_view kSettings = "settings";
@@ -129,6 +130,7 @@ void visit_settings(Record& record, Visit&& visit) {
   visit(Name{"coupling_stiffness", "N_per_m"}, touch.coupling_stiffness);
   visit(Name{"friction", {}, {}, 2}, touch.friction);
   visit(Name{"grows", {}, {}, 5}, touch.grows);
+  visit(Name{"fracture_toughness", "J_per_m2", {}, 6}, touch.fracture_toughness);
 }
 
 /// Calls visit for each setting that stays as it is during a recording.

@@ -5,7 +5,8 @@ namespace palpate {
 
 Contact BondedTouch::touch(const HandState& hand, const TouchSettings& settings) noexcept {
   if (hold_.holds()) {
-    const Contact contact = hold_.move(hand.place, settings.coupling_stiffness);
+    const Contact contact =
+        hold_.move(hand.place, settings.coupling_stiffness, settings.fracture_toughness);
     if (!hold_.slips(contact, settings.bonded, settings.release_force)) return contact;
     release();
     // A tool that only pushes lets go at its anchor. Where it has moved along a hollow it is still
@@ -16,7 +17,7 @@ Contact BondedTouch::touch(const HandState& hand, const TouchSettings& settings)
   if (nearest.triangle >= 0 && nearest.distance <= 0 && armed_) {
     armed_ = false;
     if (take_hold(nearest, 0, settings)) {
-      return hold_.move(hand.place, settings.coupling_stiffness);
+      return hold_.move(hand.place, settings.coupling_stiffness, settings.fracture_toughness);
     }
   }
   if (nearest.distance > 0) armed_ = true;
@@ -24,6 +25,7 @@ Contact BondedTouch::touch(const HandState& hand, const TouchSettings& settings)
   contact.status = nearest.distance > 0 ? ContactStatus::free : ContactStatus::inside;
   contact.distance = nearest.distance;
   contact.anchor = nearest.point;
+  contact.torn_area = hold_.torn_area();
   return contact;
 }
 

@@ -58,6 +58,8 @@ struct Contact {
   double energy = 0;
   /// The least certain support among the nodes, or the support at a rigid tool's place.
   Support support = Support::none;
+  /// The area of the cut that is open, m².
+  double torn_area = 0;
   /// What the mesh does to the force that holds the nodes or the tool.
   TouchMeshError mesh_error;
   /// ReducedState::trust of a reduced body: do not trust the force above 2. 0 for other bodies.

@@ -14,11 +14,17 @@ namespace {
 constexpr int kMostSteps = 12;
 constexpr double kAnswered = 1e-6;
 
+/// The whole cut tears in so many ticks at the least.
+constexpr double kTicksOfTear = 50;
+
 }  // namespace
 
 void Hold::take_over(const Touchable* body, bool is_same_scene) noexcept {
   body_ = body;
-  if (!is_same_scene) let_go();
+  if (!is_same_scene) {
+    let_go();
+    torn_area_ = 0;
+  }
   for (int i = 0; holds() && i < num_held_; ++i) {
     Held& held = held_[i];
     held.node = body->find(held.mesh_point, held.body);
@@ -87,7 +93,28 @@ void Hold::follow(const Vec3& t) noexcept {
   }
 }
 
+TouchResult Hold::at_stage(int stage, const Vec3& t) const noexcept {
+  TouchResult sum = TouchResult::empty_sum();
+  for (int i = 0; i < num_held_; ++i) {
+    const Touchable::Node& node = body_->nodes()[held_[i].node];
+    sum.add(held_[i].weight, node.at_stage[static_cast<std::size_t>(stage)]->evaluate(t));
+  }
+  return sum;
+}
+
+bool Hold::tear(double toughness, const Vec3& t) noexcept {
+  const TornEnergy& torn = body_->torn();
+  if (!torn.is_cut() || !(toughness > 0)) return false;
+  const double before = torn_area_;
+  torn_area_ = torn.tear(before, toughness, before + torn.whole_area() / kTicksOfTear,
+                         [&](int stage) { return at_stage(stage, t); });
+  return torn_area_ > before;
+}
+
 TouchResult Hold::evaluate(const Vec3& t) const noexcept {
+  if (body_->torn().is_cut()) {
+    return body_->torn().evaluate(torn_area_, [&](int stage) { return at_stage(stage, t); }).touch;
+  }
   TouchResult sum = TouchResult::empty_sum();
   for (int i = 0; i < num_held_; ++i) {
     const Held& held = held_[i];
@@ -96,13 +123,17 @@ TouchResult Hold::evaluate(const Vec3& t) const noexcept {
   return sum;
 }
 
-Contact Hold::move(const Vec3& place, double coupling) noexcept {
+Contact Hold::move(const Vec3& place, double coupling, double toughness) noexcept {
   const Vec3 offset = place - anchor_;
   Vec3 t = coupling > 0 ? Vec3(displacement_ + followed_ * (offset - offset_)) : offset;
   Contact contact;
   TouchResult at;
   if (coupling > 0) {
-    at = balance([&](const Vec3& where) { return evaluate(where); }, offset, coupling, t);
+    const auto balanced = [&] {
+      return balance([&](const Vec3& where) { return evaluate(where); }, offset, coupling, t);
+    };
+    at = balanced();
+    if (tear(toughness, t)) at = balanced();
     follow(t);
     const Vec3 stretch = offset - t;
     contact.force = -coupling * stretch;
@@ -112,6 +143,7 @@ Contact Hold::move(const Vec3& place, double coupling) noexcept {
     offset_ = offset;
   } else {
     follow(t);
+    (void)tear(toughness, t);
     at = evaluate(t);
     contact.force = -at.force;
     contact.energy = at.energy;
@@ -129,6 +161,7 @@ Contact Hold::move(const Vec3& place, double coupling) noexcept {
   contact.displacement = t;
   contact.support = at.support;
   contact.mesh_error = at.mesh_error;
+  contact.torn_area = torn_area_;
   return contact;
 }
 

@@ -10,6 +10,10 @@
 // weights stay as they are while the tool is attached: if they followed the tool, the force would
 // do work around a closed path. The force is zero where the tool comes in, at t = 0.
 //
+// A body with a cut whose stages are known has Π(t, A) in place of Π(t) (torn_energy.h), with the
+// area A that is torn. What is torn stays so when the tool lets go. A tear of the whole cut takes a
+// twentieth of a second at the least, so that a hand feels a snap in several ticks.
+//
 // With a coupling the tool holds the nodes by a spring, and t is where the spring is in balance
 // with h (balance.h).
 #pragma once
@@ -38,12 +42,17 @@ class Hold {
   /// @param place The tool's place, m. @param holding The force that held the tool there [3], N.
   /// @param coupling As for move().
   void go_on_from(const Vec3& place, const Vec3& holding, double coupling) noexcept;
+  /// What is torn stays torn.
   void let_go() noexcept { num_held_ = 0; }
   [[nodiscard]] bool holds() const noexcept { return num_held_ > 0; }
 
   /// The contact when the tool is at a place, m.
   /// @param coupling Stiffness of the virtual coupling, N/m; 0: there is none.
-  [[nodiscard]] Contact move(const Vec3& place, double coupling) noexcept;
+  /// @param toughness Of a cut that tears, J/m²; 0: it stays as it is.
+  [[nodiscard]] Contact move(const Vec3& place, double coupling, double toughness) noexcept;
+
+  /// The area of the cut that is open, m².
+  [[nodiscard]] double torn_area() const noexcept { return torn_area_; }
 
   /// @param pulls_too Whether the tool also pulls. Such a tool lets go only above `release_force`,
   ///   N; 0: never. Another tool lets go where it would pull, and slips where it has gone aside
@@ -65,6 +74,10 @@ class Hold {
   [[nodiscard]] Held held_node(std::int32_t number, double weight) const noexcept;
   /// Energy, force that holds, and stiffness at a displacement, with each node on its branch.
   [[nodiscard]] TouchResult evaluate(const Vec3& t) const noexcept;
+  /// The same at a stage of the cut.
+  [[nodiscard]] TouchResult at_stage(int stage, const Vec3& t) const noexcept;
+  /// Tears the cut at a displacement. @returns Whether it opens.
+  [[nodiscard]] bool tear(double toughness, const Vec3& t) noexcept;
   /// Finds the branch that each node is on when the nodes move from displacement_ to t.
   void follow(const Vec3& t) noexcept;
 
@@ -74,6 +87,7 @@ class Hold {
   Vec3 anchor_ = Vec3::Zero();
   Vec3 normal_ = Vec3::Zero();
   Vec3 displacement_ = Vec3::Zero();
+  double torn_area_ = 0;
   /// With a coupling: the displacement of the tool, m, and the derivative of displacement_ with
   /// respect to it.
   Vec3 offset_ = Vec3::Zero();

@@ -75,7 +75,8 @@ Contact PressingTouch::touch(const HandState& hand, const TouchSettings& setting
   }
   if (hold_.holds()) {
     felt_.setZero();
-    const Contact contact = hold_.move(hand.place, settings.coupling_stiffness);
+    const Contact contact =
+        hold_.move(hand.place, settings.coupling_stiffness, settings.fracture_toughness);
     if (!hold_.slips(contact, true, settings.release_force)) return contact;
     release();
     has_lost_ = true;
@@ -90,7 +91,7 @@ Contact PressingTouch::touch(const HandState& hand, const TouchSettings& setting
     fade_in(contact, hand.time);
     felt_ = contact.force;
     return grasps && !has_lost_ && grasp(contact, settings, hand.place)
-               ? hold_.move(hand.place, settings.coupling_stiffness)
+               ? hold_.move(hand.place, settings.coupling_stiffness, settings.fracture_toughness)
                : contact;
   }
   const bool is_free = contact.status == ContactStatus::free;

@@ -21,6 +21,7 @@ void validate(const TouchSettings& settings) {
   check(settings.release_force, "The force at which a bonded tool lets go", "N");
   check(settings.reach, "The reach of active nodes", "m");
   check(settings.coupling_stiffness, "The stiffness of the coupling", "N/m");
+  check(settings.fracture_toughness, "The fracture toughness", "J/m^2");
   check(settings.friction, "The coefficient of friction", "");
 }
 

@@ -26,6 +26,9 @@ struct TouchSettings {
   /// is not known yet, there is a force as soon as it is known, which comes in within a fifth of a
   /// second. Otherwise such a tool has to go outside first.
   bool grows = false;
+  /// The energy that it takes to open an area of a cut whose stages the space has, J/m²; 0: the cut
+  /// stays as it is.
+  double fracture_toughness = 0;
   /// Coefficient of Coulomb friction between a rigid tool and the body; 0: it glides freely.
   double friction = 0;
 };

@@ -19,12 +19,18 @@ bool is_before(const Touchable::Node& node, const std::pair<BodyId, Index>& othe
 Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
     : options_(options),
       scene_hash_(space.scene_hash),
-      surface_(std::make_shared<const SurfaceTree>(space.surface.points, space.surface.triangles)),
+      surface_(std::make_shared<const SurfaceTree>(space.surface.points,
+                                                   space.surface.touched_triangles())),
       node_of_(space.surface.points.size(), -1) {
   if (space.tool_spaces.empty()) {
     throw InputError(
         "The state space has no active node and no rigid tool: there is nothing to touch. "
         "Precompute it for one.");
+  }
+  if (!space.stages.empty()) {
+    std::vector<double> areas;
+    for (const StageOfCut& stage : space.stages) areas.push_back(stage.area);
+    torn_ = TornEnergy(std::move(areas));
   }
   nodes_.reserve(space.tool_spaces.size());
   for (const TouchToolSpace& tool_space : space.tool_spaces) {
@@ -71,6 +77,17 @@ void Touchable::take_node(const TouchToolSpace& tool_space, const TouchSpace& sp
                           const std::vector<CheckPoint>& changed) {
   const Index mesh_point = tool_space.setup.interaction.active_node;
   const BodyId body = tool_space.setup.body;
+  if (torn_.is_cut()) {
+    // The last stage stands for all of them, once they are there.
+    const ToolSpaceId id = tool_space.setup.id;
+    const BodyId last = space.stages.back().body;
+    const bool is_whole =
+        std::all_of(space.stages.begin(), space.stages.end(), [&](const StageOfCut& stage) {
+          return space.find({id, stage.body}) != nullptr;
+        });
+    if (!is_whole) return;
+    if (body != last) return take_node(*space.find({id, last}), space, {});
+  }
   const Index surface_point = body == kFirstBody
                                   ? space.surface.find(mesh_point)
                                   : nearest_shown(tool_space.setup.interaction.material_point);
@@ -99,7 +116,9 @@ void Touchable::take_node(const TouchToolSpace& tool_space, const TouchSpace& sp
             tool_space.setup.interaction.material_point,
             tool_space.setup.interaction.tip_radius,
             std::move(branches),
-            std::move(on_branch)};
+            std::move(on_branch),
+            {}};
+  take_stages(node, space);
   largest_tip_radius_ = std::max(largest_tip_radius_, node.tip_radius);
   if (known >= 0) {
     nodes_[known] = std::move(node);
@@ -111,6 +130,13 @@ void Touchable::take_node(const TouchToolSpace& tool_space, const TouchSpace& sp
   // Where nodes of several bodies are at one point, the first body has it.
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     node_of_[nodes_[n].surface_point] = static_cast<std::int32_t>(n);
+  }
+}
+
+void Touchable::take_stages(Node& node, const TouchSpace& space) const {
+  for (const StageOfCut& stage : space.stages) {
+    node.at_stage.push_back(make_interpolator(
+        options_.method, *space.find({node.mesh_point, stage.body}), options_.interpolation));
   }
 }
 
@@ -150,10 +176,13 @@ MemoryRanges Touchable::memory() const {
   surface_->add_memory(ranges);
   add_memory(nodes_, ranges);
   add_memory(node_of_, ranges);
+  add_memory(torn_.areas(), ranges);
   for (const Node& node : nodes_) {
     node.branches.add_memory(ranges);
     add_memory(node.on_branch, ranges);
     for (const auto& force : node.on_branch) force->add_memory(ranges);
+    add_memory(node.at_stage, ranges);
+    for (const auto& force : node.at_stage) force->add_memory(ranges);
   }
   if (force_on_tool_) force_on_tool_->add_memory(ranges);
   return ranges;

@@ -11,6 +11,7 @@
 #include "interpolation/interpolator.h"
 #include "interpolation/solution_branches.h"
 #include "interpolation/tool_force.h"
+#include "interpolation/torn_energy.h"
 #include "mesh/surface_tree.h"
 #include "state_space/touch_space.h"
 
@@ -45,11 +46,16 @@ class Touchable {
     SolutionBranches branches;
     /// The force on each branch.
     std::vector<std::shared_ptr<const Interpolator>> on_branch;
+    /// The force at each stage of the cut, if there is one.
+    std::vector<std::shared_ptr<const Interpolator>> at_stage;
   };
 
   [[nodiscard]] const std::string& scene_hash() const { return scene_hash_; }
   [[nodiscard]] const SurfaceTree& surface() const { return *surface_; }
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
+  /// How the energy goes on between the stages of the cut, if there is one. Then an active node is
+  /// one that all stages have, and counts as one of the last stage.
+  [[nodiscard]] const TornEnergy& torn() const { return torn_; }
   /// The index in nodes() of a point of the surface; −1: the point is not active.
   [[nodiscard]] std::int32_t node_of_surface_point(Index point) const { return node_of_[point]; }
   /// The index in nodes() of a point of the mesh of a body; −1: the point is not active.
@@ -81,12 +87,15 @@ class Touchable {
   /// @param changed Where it has grown.
   void take_node(const TouchToolSpace& tool_space, const TouchSpace& space,
                  const std::vector<CheckPoint>& changed);
+  /// Gives an active node its forces at the stages of the cut.
+  void take_stages(Node& node, const TouchSpace& space) const;
   /// The point of the shown surface that is nearest to a place.
   [[nodiscard]] Index nearest_shown(const Vec3& place) const;
   void take_stiffness(const std::vector<ConfigurationSummary>& configurations);
 
   TouchableOptions options_;
   std::string scene_hash_;
+  TornEnergy torn_;
   /// Bodies that follow each other share it.
   std::shared_ptr<const SurfaceTree> surface_;
   /// The nodes in the order of their bodies and mesh points.

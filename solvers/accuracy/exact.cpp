@@ -111,7 +111,7 @@ class Solver final : public Worker {
         monitor_(monitor),
         keep_(std::move(keep)) {
     const TetMesh& mesh = first.mesh();
-    const Surface surface = make_surface(mesh);
+    const Surface surface = make_surface(first.scene->body);
     for (const Index p : sample_points(surface)) {
       samples_.push_back(surface.mesh_points[p]);
       at_rest_.push_back(place_at_rest(mesh, first.at_rest, samples_.back()) -

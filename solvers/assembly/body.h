@@ -23,8 +23,10 @@ struct Cut {
   std::vector<OpenedFaces> faces;
   /// The stage at which the mesh is.
   std::int32_t stage = 0;
-  /// The area of the sheet that is open then, m².
-  double area = 0;
+  /// The area of the sheet that is open at each stage, from 0 on, m².
+  std::vector<double> areas;
+
+  [[nodiscard]] double area() const { return areas.empty() ? 0 : areas[stage]; }
 };
 
 struct Body {

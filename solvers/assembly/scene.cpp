@@ -15,6 +15,22 @@ namespace palpate {
 
 namespace {
 
+void check_cut(const Cut& cut) {
+  std::int32_t last = 0;
+  for (const OpenedFaces& of_cell : cut.faces) {
+    last = std::max(last, *std::max_element(of_cell.begin(), of_cell.end()));
+  }
+  const std::vector<double>& areas = cut.areas;
+  const bool grows = std::adjacent_find(areas.begin(), areas.end(),
+                                        [](double a, double b) { return !(a < b); }) == areas.end();
+  if (areas.size() == static_cast<std::size_t>(last) + 1 && areas.front() == 0 && grows &&
+      std::isfinite(areas.back()) && cut.stage >= 0 && cut.stage <= last) {
+    return;
+  }
+  throw InputError("The cut of the body has no area that grows from 0 on for each of its " +
+                   std::to_string(last) + " stages, or is at none of them. Apply Place Cut again.");
+}
+
 void check_contact(const Scene& scene) {
   const Body& body = scene.body;
   if (!body.part_of_cell.empty() &&
@@ -30,9 +46,7 @@ void check_contact(const Scene& scene) {
         " of them say where the cut goes. Apply Place Cut last of all that changes the "
         "mesh.");
   }
-  if (!(cut.area >= 0) || !std::isfinite(cut.area) || cut.stage < 0) {
-    throw InputError("The cut of the body has no stage or no area. Apply Place Cut again.");
-  }
+  if (!cut.faces.empty()) check_cut(cut);
   if (scene.organ.touching == TouchingParts::none) return;
   if (scene.organ.touching == TouchingParts::lips && cut.faces.empty()) {
     throw InputError("The sides of a cut are to touch each other, but the body has no cut.");

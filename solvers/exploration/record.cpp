@@ -58,7 +58,7 @@ ReductionTask task_of(const SpaceBody& body, const std::vector<ToolSpaceSetup>& 
   ReductionTask task;
   task.keep = keep;
   task.bound = bound;
-  task.points = kept_points(body.mesh(), make_surface(body.mesh()), keep);
+  task.points = kept_points(body.mesh(), make_surface(body.scene->body), keep);
   for (const ToolSpaceSetup& setup : setups) {
     if (setup.presses() || setup.body != body.number) continue;
     for (ReductionRegion& region : plan_regions(setup, {}, {})) {
@@ -498,7 +498,7 @@ class FileRecord final : public Record {
         if (keep == Keep::touch) task.num_pressures = 0;
         task.keep = keep;
         task.bound = bound;
-        task.points = kept_points(body.mesh(), make_surface(body.mesh()), keep);
+        task.points = kept_points(body.mesh(), make_surface(body.scene->body), keep);
         task.load = [this](const StateKey& key) { return load(key); };
         task.holders = holders_of(body, holders);
         for (std::size_t s = 0; s < setups_.size(); ++s) {

@@ -29,7 +29,7 @@ bool is_same(const Equilibrium& a, const Equilibrium& b) {
 const InnerExtension& InteractionSolver::extension(Keep kept) {
   const auto found = extensions_.find(kept);
   if (found != extensions_.end()) return found->second;
-  const std::vector<Index> known = kept_points(body_.mesh(), make_surface(body_.mesh()), kept);
+  const std::vector<Index> known = kept_points(body_.mesh(), make_surface(body_.scene->body), kept);
   return extensions_
       .emplace(std::piecewise_construct, std::forward_as_tuple(kept),
                std::forward_as_tuple(solver_.assembly(), known))

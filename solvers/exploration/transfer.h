@@ -225,7 +225,7 @@ template <class Visit>
 void for_each_part(Cut& cut, Visit&& visit) {
   visit(cut.faces);
   visit(cut.stage);
-  visit(cut.area);
+  visit(cut.areas);
 }
 template <class Visit>
 void for_each_part(Body& body, Visit&& visit) {

@@ -9,7 +9,7 @@ namespace palpate {
 namespace {
 
 Surface surface_at_rest(const SpaceBody& body) {
-  Surface surface = make_surface(body.mesh());
+  Surface surface = make_surface(body.scene->body);
   for (Index p = 0; p < surface.num_points(); ++p) {
     surface.points[p] = place_at_rest(body.mesh(), body.at_rest, surface.mesh_points[p]);
   }
@@ -28,6 +28,17 @@ const std::vector<ShownSurface::Carrier>& ShownSurface::carriers_of(BodyId body)
   const auto known = carriers_.find(body);
   if (known != carriers_.end()) return known->second;
   const Surface& of_body = surface_of(body);
+  if (const Surface& shown = surface(); shown.num_of_cut > 0) {
+    // The stages of a cut have the same triangles.
+    std::vector<Carrier> same(static_cast<std::size_t>(shown.num_points()));
+    for (std::size_t t = 0; t < shown.triangles.size(); ++t) {
+      for (int a = 0; a < 3; ++a) {
+        const Index point = of_body.triangles.at(t)[a];
+        same[shown.triangles[t][a]] = {{point, point, point}, Vec3::UnitX()};
+      }
+    }
+    return carriers_.emplace(body, std::move(same)).first->second;
+  }
   const SurfaceTree tree(of_body.points, of_body.triangles);
   std::vector<Carrier> carriers;
   for (const Vec3& point : surface().points) {

@@ -2,6 +2,11 @@
 #include "state_space/surface.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "cutting/opened_mesh.h"
 
 namespace palpate {
 namespace {
@@ -20,20 +25,18 @@ std::vector<Triangle> split(const std::vector<Index>& faces) {
   return triangles;
 }
 
-}  // namespace
-
-Index Surface::find(Index mesh_point) const {
-  const auto found = std::lower_bound(mesh_points.begin(), mesh_points.end(), mesh_point);
-  return found != mesh_points.end() && *found == mesh_point
-             ? static_cast<Index>(found - mesh_points.begin())
-             : -1;
+std::vector<Triangle> corners_of(const std::vector<Index>& faces) {
+  std::vector<Triangle> triangles;
+  for (std::size_t i = 0; i < faces.size(); i += 3) {
+    triangles.push_back({faces[i], faces[i + 1], faces[i + 2]});
+  }
+  return triangles;
 }
 
-Surface make_surface(const TetMesh& mesh) {
+/// @param triangles By points of the mesh.
+Surface surface_of(const TetMesh& mesh, std::vector<Triangle> triangles) {
   Surface surface;
-  surface.triangles = mesh.order == ElementOrder::quadratic ? split(boundary_faces(mesh))
-                                                            : boundary_triangles(mesh);
-
+  surface.triangles = std::move(triangles);
   std::vector<Index> number(mesh.points.size(), -1);
   for (const Triangle& triangle : surface.triangles) {
     for (Index p : triangle) number[p] = 0;
@@ -47,6 +50,53 @@ Surface make_surface(const TetMesh& mesh) {
   for (Triangle& triangle : surface.triangles) {
     for (Index& p : triangle) p = number[p];
   }
+  return surface;
+}
+
+}  // namespace
+
+Index Surface::find(Index mesh_point) const {
+  const auto found = std::lower_bound(mesh_points.begin(), mesh_points.end(), mesh_point);
+  return found != mesh_points.end() && *found == mesh_point
+             ? static_cast<Index>(found - mesh_points.begin())
+             : -1;
+}
+
+Surface make_surface(const TetMesh& mesh) {
+  return surface_of(mesh, mesh.order == ElementOrder::quadratic ? split(boundary_faces(mesh))
+                                                                : boundary_triangles(mesh));
+}
+
+Surface make_surface(const Body& body) {
+  if (body.cut.faces.empty()) return make_surface(body.mesh);
+  const OpenedMesh opened =
+      open_mesh(body.mesh, body.cut.faces, std::numeric_limits<std::int32_t>::max());
+  std::vector<Index> cells;
+  std::vector<Index> faces = boundary_faces(opened.mesh, &cells);
+  const auto per_face = static_cast<std::size_t>(nodes_per_face(body.mesh.order));
+  // The points of the body that the points of what is all open are.
+  for (Index& p : faces) {
+    const Index further = p - body.mesh.num_points();
+    if (further >= 0) p = opened.originals[further];
+  }
+  std::vector<Index> outside;
+  std::vector<Index> of_cut;
+  for (std::size_t f = 0; f < cells.size(); ++f) {
+    const auto corners = faces.begin() + static_cast<std::ptrdiff_t>(f * per_face);
+    bool is_of_cut = false;
+    for (int k = 0; k < 4; ++k) {
+      const Index opposite = body.mesh.cell(cells[f])[k];
+      if (std::find(corners, corners + 3, opposite) == corners + 3) {
+        is_of_cut = opens(body.cut.faces[cells[f]][k]);
+      }
+    }
+    std::vector<Index>& to = is_of_cut ? of_cut : outside;
+    to.insert(to.end(), corners, corners + static_cast<std::ptrdiff_t>(per_face));
+  }
+  outside.insert(outside.end(), of_cut.begin(), of_cut.end());
+  const bool is_quadratic = body.mesh.order == ElementOrder::quadratic;
+  Surface surface = surface_of(body.mesh, is_quadratic ? split(outside) : corners_of(outside));
+  surface.num_of_cut = of_cut.size() / per_face * (is_quadratic ? 4 : 1);
   return surface;
 }
 

@@ -3,9 +3,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
-#include "mesh/tet_mesh.h"
+#include "assembly/body.h"
 
 namespace palpate {
 
@@ -16,13 +17,22 @@ struct Surface {
   std::vector<Index> mesh_points;
   /// Places in `points`, such that triangles look outward. A face of a quadratic body gives four.
   std::vector<std::array<Index, 3>> triangles;
+  /// So many triangles at the end are sides of a cut, which are shown where it opens. All others
+  /// are touched.
+  std::size_t num_of_cut = 0;
 
   [[nodiscard]] Index num_points() const { return static_cast<Index>(points.size()); }
+  [[nodiscard]] std::vector<std::array<Index, 3>> touched_triangles() const {
+    return {triangles.begin(), triangles.end() - static_cast<std::ptrdiff_t>(num_of_cut)};
+  }
   /// The point of the surface that a point of the mesh is; −1 inside the body.
   [[nodiscard]] Index find(Index mesh_point) const;
 };
 
 /// Makes the surface that bounds a mesh, midside nodes included.
 [[nodiscard]] Surface make_surface(const TetMesh& mesh);
+/// Makes the surface of a body. One that is cut has both sides of all that opens, also of what is
+/// closed yet, so that the surfaces of all stages have the same triangles in the same order.
+[[nodiscard]] Surface make_surface(const Body& body);
 
 }  // namespace palpate

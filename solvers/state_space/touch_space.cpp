@@ -2,6 +2,7 @@
 #include "state_space/touch_space.h"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 
 #include "interaction/tool_clearance.h"
@@ -61,6 +62,14 @@ TouchSpace make_empty_touch_space(const ShownSurface& shown) {
   for (const SpaceBody& body : shown.bodies()) hashes.push_back(body.hash);
   space.scene_hash = join_hashes(hashes);
   space.surface = shown.surface();
+  std::map<std::int32_t, StageOfCut> stages;
+  for (const SpaceBody& body : shown.bodies()) {
+    const Cut& cut = body.scene->body.cut;
+    if (!cut.faces.empty()) stages.try_emplace(cut.stage, StageOfCut{body.number, cut.area()});
+  }
+  if (stages.size() > 1) {
+    for (const auto& [number, stage] : stages) space.stages.push_back(stage);
+  }
   return space;
 }
 

@@ -49,6 +49,13 @@ void add_clearance(const Body& body, const SettledBody& at_rest, TouchToolSpace&
 /// Does the same with a clearance that was made before.
 void add_clearance(std::shared_ptr<const ToolClearance> clearance, TouchToolSpace& tool_space);
 
+/// A stage of the cut of an organ, which is one of the bodies of a space.
+struct StageOfCut {
+  BodyId body = kFirstBody;
+  /// The area of the cut that is open, m².
+  double area = 0;
+};
+
 struct TouchSpace {
   /// The result of join_hashes() for its bodies.
   std::string scene_hash;
@@ -57,6 +64,8 @@ struct TouchSpace {
   /// The surface at rest that is shown and touched, from which displacements count: that of the
   /// first body. Modes of other bodies are carried over to it, see shown_surface.h.
   Surface surface;
+  /// The stages of the cut, from the closed one on; empty: there is no cut that opens.
+  std::vector<StageOfCut> stages;
   /// The tool spaces in the order of their keys.
   std::vector<TouchToolSpace> tool_spaces;
   /// What is damaged in the file, and so is missing here, see StateSpaceFile::left_out().

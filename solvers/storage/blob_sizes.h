@@ -67,6 +67,10 @@ inline constexpr std::int64_t kOfNumbers = 1 << 16;
 [[nodiscard]] inline Size<OpenedFaces> faces_of_cells(std::int64_t num_cells) {
   return exactly<OpenedFaces>(num_cells);
 }
+/// The column areas of table body_cut.
+[[nodiscard]] inline Size<double> areas_of_stages() {
+  return up_to<double>(kOfNumbers / std::int64_t{sizeof(double)});
+}
 /// The columns fixed and touchable.
 [[nodiscard]] inline Size<char> marks(std::int64_t num_points) { return exactly<char>(num_points); }
 

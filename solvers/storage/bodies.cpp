@@ -170,8 +170,9 @@ void write_contact(const Database& database, BodyId body, const Scene& scene) {
   insert.run();
 }
 
-sqlite::Statement::Blob blob_of(const std::vector<OpenedFaces>& faces) {
-  return {faces.data(), faces.size() * sizeof faces[0]};
+template <class Value>
+sqlite::Statement::Blob blob_of(const std::vector<Value>& values) {
+  return {values.data(), values.size() * sizeof(Value)};
 }
 
 /// @param cut It has faces.
@@ -180,10 +181,9 @@ void write_cut(const Database& database, BodyId body, const Cut& cut) {
   Statement insert(database, Table(kCut).insert("ABORT"));
   insert.bind(body);
   insert.bind(std::int64_t{cut.stage});
-  insert.bind(cut.area);
-  const sqlite::Statement::Blob faces = blob_of(cut.faces);
-  insert.bind(faces.data, faces.bytes);
-  insert.bind(rows::checksum(body, cut.stage, cut.area, faces));
+  bind_array(insert, cut.areas);
+  bind_array(insert, cut.faces);
+  insert.bind(rows::checksum(body, cut.stage, blob_of(cut.areas), blob_of(cut.faces)));
   insert.run();
 }
 
@@ -367,7 +367,10 @@ const std::vector<Index>& Bodies::points_of(BodyId body, Keep keep) const {
   const auto found = of_body.points.find(keep);
   if (found != of_body.points.end()) return found->second;
   if (!of_body.mesh) of_body.mesh = read_mesh(body);
-  return of_body.points[keep] = kept_points(*of_body.mesh, make_surface(*of_body.mesh), keep);
+  Body cut_body;
+  cut_body.mesh = *of_body.mesh;
+  if (has_table(connection_.database(), kCut)) read_cut(body, cut_body.cut);
+  return of_body.points[keep] = kept_points(cut_body.mesh, make_surface(cut_body), keep);
 }
 
 TetMesh Bodies::read_mesh(BodyId body) const {
@@ -447,13 +450,14 @@ void Bodies::read_contact(BodyId body, Scene& scene) const {
 void Bodies::read_cut(BodyId body, Cut& cut) const {
   const Database& database = connection_.database();
   Statement select(database,
-                   "SELECT stage, area, faces, checksum FROM body_cut WHERE scene_id = ?");
+                   "SELECT stage, areas, faces, checksum FROM body_cut WHERE scene_id = ?");
   select.bind(body);
   if (!select.step()) return;
   const std::int64_t stage = select.take_integer();
-  cut.area = select.take_double();
+  take_array(select, blobs::areas_of_stages(), database, "the areas of the cut", cut.areas);
   take_array(select, blobs::faces_of_cells(head(body).num_cells), database, "the cut", cut.faces);
-  if (select.take_integer() != rows::checksum(body, stage, cut.area, blob_of(cut.faces))) {
+  if (select.take_integer() !=
+      rows::checksum(body, stage, blob_of(cut.areas), blob_of(cut.faces))) {
     throw_damaged(connection_.path(), "the cut is none");
   }
   cut.stage = static_cast<std::int32_t>(stage);

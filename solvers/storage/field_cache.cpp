@@ -131,10 +131,10 @@ void FieldCache::read(const ToolSpaceSetup& setup,
   file.share(known_);
   if (bodies_.count(setup.body) == 0) {
     OfBody body;
-    const TetMesh mesh = file.read_scene(setup.body).body.mesh;
-    const Surface surface = make_surface(mesh);
+    const Body scene = file.read_scene(setup.body).body;
+    const Surface surface = make_surface(scene);
     for (const Keep keep : {Keep::touch, Keep::surface, Keep::all}) {
-      body.points[keep] = kept_points(mesh, surface, keep);
+      body.points[keep] = kept_points(scene.mesh, surface, keep);
     }
     body.at_rest = file.read_rest(setup.body);
     bodies_.emplace(setup.body, std::move(body));

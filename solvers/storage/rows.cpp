@@ -257,11 +257,12 @@ std::int64_t checksum(BodyId body, const SettledBody& settled) {
   return checksum_of(u, u_bytes, checksum_of(p, p_bytes, seed_of(body)));
 }
 
-std::int64_t checksum(BodyId body, std::int64_t stage, double area, sqlite::Statement::Blob faces) {
+std::int64_t checksum(BodyId body, std::int64_t stage, sqlite::Statement::Blob areas,
+                      sqlite::Statement::Blob faces) {
   std::vector<std::int64_t> bits = bits_of(body);
   Gather{bits}(stage);
-  Gather{bits}(area);
-  return checksum_of(faces.data, faces.bytes, checksum_of(bits));
+  return checksum_of(faces.data, faces.bytes,
+                     checksum_of(areas.data, areas.bytes, checksum_of(bits)));
 }
 
 std::int64_t checksum(BodyId body, const std::string& name, sqlite::Statement::Blob numbers) {

@@ -212,7 +212,7 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
                                     double solver_tolerance);
 [[nodiscard]] std::int64_t checksum(BodyId body, const SettledBody& settled);
 /// The checksum of a cut.
-[[nodiscard]] std::int64_t checksum(BodyId body, std::int64_t stage, double area,
+[[nodiscard]] std::int64_t checksum(BodyId body, std::int64_t stage, sqlite::Statement::Blob areas,
                                     sqlite::Statement::Blob faces);
 /// The checksum of an array of what holds and loads the surface.
 [[nodiscard]] std::int64_t checksum(BodyId body, const std::string& name,

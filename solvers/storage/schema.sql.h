@@ -263,11 +263,12 @@ inline constexpr char kBodyCutSchema[] = R"sql(
 CREATE TABLE body_cut (
   scene_id INTEGER PRIMARY KEY REFERENCES scene,
   stage    INTEGER NOT NULL,          -- up to which the cut is open
-  area     NOT NULL,                  -- of the sheet that is open then, m2
+  areas    BLOB NOT NULL,             -- float64 [stages + 1], of the sheet that is open at each
+                                      -- stage, from 0 on, m2
   faces    BLOB NOT NULL,             -- int32 [num_cells x 4], the stage at which the face opposite
                                       -- to each corner opens; 0: never
   checksum INTEGER NOT NULL           -- XXH3 (64 bit) of the bytes of faces, seeded with that of
-                                      -- area, seeded with that of stage
+                                      -- areas, seeded with that of stage
 );
 )sql";
 
