@@ -89,8 +89,8 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
       app.add_option("--reduced", line.reduced,
                      "Touches this reduced model of the file, from 1, in place of its state space; "
                      "a file with one model and no state space does not need it. --node, --method, "
-                     "--bonded, --release-force, --no-blending, --no-mesh-correction, --friction "
-                     "and --replay are not for it")
+                     "--bonded, --release-force, --no-blending, --no-mesh-correction, --friction, "
+                     "--toughness and --replay are not for it")
           ->type_name("NUMBER");
   app.add_option("--step", line.step,
                  "From step to step of a reduced body, s: one that misses many needs more");
@@ -145,6 +145,10 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
          "simulated one does")
       ->type_name("BUTTON");
   app.add_option("--friction", touch.friction, "Coefficient of friction of a rigid tool");
+  app.add_option(
+      "--toughness", touch.fracture_toughness,
+      "The energy that it takes to open a cut whose stages the space has, J/m^2; 0: it does "
+      "not tear");
   double release_after = seconds(line.options.release_after);
   app.add_option("--release-after", release_after,
                  "Without a fresh report, or a step of the reduced body, for so long the tool "

@@ -99,6 +99,8 @@ void visit_columns(Record& record, Visit&& visit) {
   visit(Name{"mesh_error_trust", {}, {}, 4}, mesh_error.trust);
   visit(Name{"mesh_error_corrected", {}, {}, 4}, mesh_error.is_corrected);
   visit(Name{"torn_area", "m2", {}, 6}, contact.torn_area);
+  visit(Name{"torn_work", "J", {}, 6}, contact.torn_work);
+  visit(Name{"hand_work", "J", {}, 6}, contact.hand_work);
 }
 
 /// The version of the recordings that are written.

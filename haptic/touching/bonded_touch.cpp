@@ -25,7 +25,7 @@ Contact BondedTouch::touch(const HandState& hand, const TouchSettings& settings)
   contact.status = nearest.distance > 0 ? ContactStatus::free : ContactStatus::inside;
   contact.distance = nearest.distance;
   contact.anchor = nearest.point;
-  contact.torn_area = hold_.torn_area();
+  hold_.tell_tear(contact);
   return contact;
 }
 

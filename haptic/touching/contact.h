@@ -60,6 +60,11 @@ struct Contact {
   Support support = Support::none;
   /// The area of the cut that is open, m².
   double torn_area = 0;
+  /// Since the body was whole: what tearing has taken, and what the hand has done to a body with a
+  /// cut, by the forces before and after each tick, J. The hand's work less `energy` and this is
+  /// what unstable tears have lost, and what was stored when the hand let go; it is not below 0.
+  double torn_work = 0;
+  double hand_work = 0;
   /// What the mesh does to the force that holds the nodes or the tool.
   TouchMeshError mesh_error;
   /// ReducedState::trust of a reduced body: do not trust the force above 2. 0 for other bodies.

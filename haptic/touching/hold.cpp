@@ -23,7 +23,7 @@ void Hold::take_over(const Touchable* body, bool is_same_scene) noexcept {
   body_ = body;
   if (!is_same_scene) {
     let_go();
-    torn_area_ = 0;
+    torn_area_ = torn_work_ = hand_work_ = 0;
   }
   for (int i = 0; holds() && i < num_held_; ++i) {
     Held& held = held_[i];
@@ -66,6 +66,8 @@ bool Hold::take(const SurfaceTree::Nearest& at, double reach, bool blended) noex
   displacement_.setZero();
   offset_.setZero();
   followed_.setZero();
+  last_place_ = at.point;
+  last_force_.setZero();
   return true;
 }
 
@@ -108,6 +110,7 @@ bool Hold::tear(double toughness, const Vec3& t) noexcept {
   const double before = torn_area_;
   torn_area_ = torn.tear(before, toughness, before + torn.whole_area() / kTicksOfTear,
                          [&](int stage) { return at_stage(stage, t); });
+  torn_work_ += toughness * (torn_area_ - before);
   return torn_area_ > before;
 }
 
@@ -161,8 +164,19 @@ Contact Hold::move(const Vec3& place, double coupling, double toughness) noexcep
   contact.displacement = t;
   contact.support = at.support;
   contact.mesh_error = at.mesh_error;
-  contact.torn_area = torn_area_;
+  if (body_->torn().is_cut()) {
+    hand_work_ -= 0.5 * (last_force_ + contact.force).dot(place - last_place_);
+    last_place_ = place;
+    last_force_ = contact.force;
+    tell_tear(contact);
+  }
   return contact;
+}
+
+void Hold::tell_tear(Contact& contact) const noexcept {
+  contact.torn_area = torn_area_;
+  contact.torn_work = torn_work_;
+  contact.hand_work = hand_work_;
 }
 
 bool Hold::slips(const Contact& contact, bool pulls_too, double release_force) const noexcept {

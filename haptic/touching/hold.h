@@ -51,8 +51,8 @@ class Hold {
   /// @param toughness Of a cut that tears, J/m²; 0: it stays as it is.
   [[nodiscard]] Contact move(const Vec3& place, double coupling, double toughness) noexcept;
 
-  /// The area of the cut that is open, m².
-  [[nodiscard]] double torn_area() const noexcept { return torn_area_; }
+  /// What is torn, for a tool that holds nothing.
+  void tell_tear(Contact& contact) const noexcept;
 
   /// @param pulls_too Whether the tool also pulls. Such a tool lets go only above `release_force`,
   ///   N; 0: never. Another tool lets go where it would pull, and slips where it has gone aside
@@ -88,6 +88,11 @@ class Hold {
   Vec3 normal_ = Vec3::Zero();
   Vec3 displacement_ = Vec3::Zero();
   double torn_area_ = 0;
+  double torn_work_ = 0;
+  double hand_work_ = 0;
+  /// The place and the force in the last tick, while the tool holds.
+  Vec3 last_place_ = Vec3::Zero();
+  Vec3 last_force_ = Vec3::Zero();
   /// With a coupling: the displacement of the tool, m, and the derivative of displacement_ with
   /// respect to it.
   Vec3 offset_ = Vec3::Zero();

@@ -115,6 +115,11 @@ bool pqPalpateHasActiveNodes(pqOutputPort* port)
   return nodes && nodes->GetComponentRange(0)[1] >= 0;
 }
 
+bool pqPalpateHasCut(pqOutputPort* port)
+{
+  return FindField(port, "StagesOfCut") != nullptr;
+}
+
 bool pqPalpateIsExploredAroundHand(pqOutputPort* port)
 {
   return vtkSMPropertyHelper(port->getSourceProxy(), "Exploration", true).GetAsInt() ==

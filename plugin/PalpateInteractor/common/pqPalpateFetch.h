@@ -26,6 +26,9 @@ int pqPalpateCountTools(pqOutputPort* port);
 bool pqPalpateHasRigidTool(pqOutputPort* port);
 bool pqPalpateHasActiveNodes(pqOutputPort* port);
 
+/// Whether the space has the stages of a cut, which can tear.
+bool pqPalpateHasCut(pqOutputPort* port);
+
 /// Whether the space is explored around the hand while it is touched.
 bool pqPalpateIsExploredAroundHand(pqOutputPort* port);
 

@@ -41,6 +41,9 @@ void pqPalpateFiguresPanel::addLive(QFormLayout* form)
     "tool can go before the space ends.");
   this->Mesh = AddFigure(form, "Mesh", "mesh",
     "How wrong the mesh makes the force of the body, as estimated with the space.");
+  this->Tear = AddFigure(form, "Tear", "tear",
+    "The area of the cut that is open, and where the work of the hand has gone: stored in the body, "
+    "into tearing, and lost in tears that ran by themselves or when the hand let go.");
   this->Explored = AddFigure(form, "Explored", "explored",
     "States that were found around the hand since the start, explorers, and how many of the cells "
     "that the hand may be in within 0.4 s are known.");
@@ -74,6 +77,7 @@ void pqPalpateFiguresPanel::showRows(bool isReduced)
   }
   // They are shown where there is an estimate, and where something is explored.
   ShowRow(this->Mesh, false);
+  ShowRow(this->Tear, false);
   ShowRow(this->Explored, false);
   for (QWidget* field : { this->Trust, this->StepTime })
   {
@@ -122,6 +126,13 @@ void pqPalpateFiguresPanel::show(const pqPalpateTouch::Figures& f)
   this->Place->setText(place);
   ShowRow(this->Explored, !f.Explored.isEmpty());
   this->Explored->setText(f.Explored);
+  ShowRow(this->Tear, f.HasCut);
+  this->Tear->setText(QString("%1 cm²: %2 mJ = %3 stored + %4 torn + %5 lost")
+                        .arg(1e4 * f.TornArea, 0, 'f', 2)
+                        .arg(1e3 * f.HandWork, 0, 'f', 2)
+                        .arg(1e3 * f.Stored, 0, 'f', 2)
+                        .arg(1e3 * f.TornWork, 0, 'f', 2)
+                        .arg(1e3 * (f.HandWork - f.Stored - f.TornWork), 0, 'f', 2));
   const palpate::TouchMeshError& mesh = f.MeshError;
   ShowRow(this->Mesh, mesh.trust != palpate::MeshErrorTrust::none);
   const bool isReliable = mesh.trust == palpate::MeshErrorTrust::reliable;

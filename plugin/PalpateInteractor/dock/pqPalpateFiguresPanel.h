@@ -40,6 +40,7 @@ private:
   QLabel* Energy = nullptr;
   QLabel* Place = nullptr;
   QLabel* Mesh = nullptr;
+  QLabel* Tear = nullptr;
   QLabel* Explored = nullptr;
   QLabel* Damping = nullptr;
   QLabel* Trust = nullptr;

@@ -235,6 +235,7 @@ void pqPalpateInteractorDock::enableSettings()
   situation.IsReduced = space && pqPalpateGivesReducedModel(space);
   situation.IsRigid = space && !situation.IsReduced && pqPalpateHasRigidTool(space);
   situation.IsExplored = space && pqPalpateIsExploredAroundHand(space);
+  situation.HasCut = space && pqPalpateHasCut(space);
   situation.HasButton = this->Devices->hasButton();
   situation.HasRealDevice = this->Devices->hasRealDevice();
   situation.IsTouching = this->isTouching();

@@ -50,6 +50,11 @@ pqPalpateSettingsPanel::pqPalpateSettingsPanel(QFormLayout* form, QObject* paren
     "Coefficient of friction of a rigid tool: it sticks to the body until it is pulled aside with "
     "more than this share of the force with which it presses.");
   this->Friction->setSpecialValueText("none");
+  this->Toughness = pqPalpateNamed(NumberBox(settings.FractureToughness, 10000, 10, " J/m²"),
+    "fractureToughness",
+    "The energy that it takes to open an area of the cut, for a space with its stages. Soft tissue "
+    "has 10 to 500 J/m². What is torn stays so until touching begins anew.");
+  this->Toughness->setSpecialValueText("does not tear");
   this->Grasps = pqPalpateNamed(new QCheckBox("With the last button"), "grasps",
     "A rigid tool that presses near an active node takes hold of it, and lets go with the button. "
     "With the mouse that is Ctrl.");
@@ -66,6 +71,7 @@ pqPalpateSettingsPanel::pqPalpateSettingsPanel(QFormLayout* form, QObject* paren
   form->addRow("Tool", this->Bonded);
   form->addRow("Lets go above", this->ReleaseForce);
   form->addRow("Friction", this->Friction);
+  form->addRow("Toughness", this->Toughness);
   form->addRow("Grasp", this->Grasps);
   this->InTissue = pqPalpateNamed(new QCheckBox("In the colour of tissue"), "inTissue",
     "The body at rest is seen in the colour of tissue, and the pressure on it, or how far it is "
@@ -88,7 +94,7 @@ pqPalpateSettingsPanel::pqPalpateSettingsPanel(QFormLayout* form, QObject* paren
   form->addRow("Others at", this->Endpoint);
   form->addRow("Keys", this->Keys);
   for (QDoubleSpinBox* box : { this->WorkspaceScale, this->ForceScale, this->ForceLimit,
-         this->ReleaseForce, this->Friction })
+         this->ReleaseForce, this->Friction, this->Toughness })
   {
     QObject::connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
       &pqPalpateSettingsPanel::changed);
@@ -112,6 +118,7 @@ pqPalpateRun::Settings pqPalpateSettingsPanel::settings() const
   settings.Bonded = this->Bonded->isChecked();
   settings.ReleaseForce = this->ReleaseForce->value();
   settings.Friction = this->Friction->value();
+  settings.FractureToughness = this->Toughness->value();
   settings.GraspsWithButton = this->Grasps->isEnabled() && this->Grasps->isChecked();
   // The tick counts also while it is disabled: it is not given up because another device is chosen.
   settings.NeedsButton = this->NeedsButton->isChecked();
@@ -126,6 +133,7 @@ void pqPalpateSettingsPanel::enable(const Situation& situation)
 {
   this->Present = situation;
   this->NeedsButton->setEnabled(situation.HasRealDevice);
+  this->Toughness->setEnabled(situation.HasCut);
   for (QWidget* of : std::initializer_list<QWidget*>{ this->Explorers, this->Endpoint, this->Keys })
   {
     of->setEnabled(situation.IsExplored && !situation.IsTouching);

@@ -29,6 +29,7 @@ public:
     bool HasRealDevice = false;
     bool IsTouching = false;
     bool IsExplored = false; ///< a state space that is explored around the hand
+    bool HasCut = false;     ///< a state space with the stages of a cut
   };
   /// Disables the settings that have no meaning now.
   void enable(const Situation& situation);
@@ -44,6 +45,7 @@ private:
   QCheckBox* Bonded = nullptr;
   QDoubleSpinBox* ReleaseForce = nullptr;
   QDoubleSpinBox* Friction = nullptr;
+  QDoubleSpinBox* Toughness = nullptr;
   QCheckBox* Grasps = nullptr;
   QCheckBox* NeedsButton = nullptr;
   QCheckBox* InTissue = nullptr;

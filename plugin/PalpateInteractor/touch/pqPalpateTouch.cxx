@@ -140,6 +140,7 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
   /// The node and the branch that are shown.
   int Node = -1;
   palpate::BodyId OnBody = palpate::kFirstBody;
+  double TornArea = 0;
   int Branch = 0;
   Vec3 Displacement = Vec3::Zero();
   Vec3 Pressed = Vec3::Zero();
@@ -377,6 +378,7 @@ void pqPalpateTouch::applySettings()
   session.TouchSettings.bonded = this->Current.Bonded;
   session.TouchSettings.release_force = this->Current.ReleaseForce;
   session.TouchSettings.friction = this->Current.Friction;
+  session.TouchSettings.fracture_toughness = this->Current.FractureToughness;
   if (hand.Mouse)
   {
     session.TouchSettings.bonded = hand.Mouse->IsHolding();
@@ -542,7 +544,7 @@ void pqPalpateTouch::show()
   const Vec3 pressed = presses ? contact.anchor : session.Away();
   const bool grew = presses && std::exchange(session.HasGrown, false);
   const bool moved = grew || node != session.Node || body != session.OnBody ||
-    branch != session.Branch || displacement != session.Displacement || pressed != session.Pressed;
+    branch != session.Branch || contact.torn_area != session.TornArea || displacement != session.Displacement || pressed != session.Pressed;
   const bool showsFree = !mouse || mouse->ShowsTool();
   const bool says = mouse && session.Tool->Say(mouse->GetHint());
   if (!moved && !says && touches == session.Touches && showsFree == session.ShowsFree &&
@@ -555,7 +557,7 @@ void pqPalpateTouch::show()
   {
     if (holds || session.Deepest == 0)
     {
-      session.BodyView->Show(node, body, branch, displacement.data());
+      session.BodyView->Show(node, body, branch, displacement.data(), contact.torn_area);
     }
     else
     {
@@ -571,6 +573,7 @@ void pqPalpateTouch::show()
   session.Node = node;
   session.OnBody = body;
   session.Branch = branch;
+  session.TornArea = contact.torn_area;
   session.Displacement = displacement;
   session.Pressed = pressed;
   session.ShowsFree = showsFree;
@@ -600,6 +603,11 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
   figures.BodyForce = tick.contact.force.norm();
   figures.Depth = session.Depth(tick.contact);
   figures.MeshError = tick.contact.mesh_error;
+  figures.HasCut = session.Body->torn().is_cut();
+  figures.TornArea = tick.contact.torn_area;
+  figures.HandWork = tick.contact.hand_work;
+  figures.Stored = tick.contact.energy;
+  figures.TornWork = tick.contact.torn_work;
   figures.Dissipated = tick.dissipated;
   figures.Damping = tick.added_damping;
   if (tick.contact.status == palpate::ContactStatus::attached)

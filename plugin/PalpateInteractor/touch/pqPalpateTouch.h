@@ -39,6 +39,13 @@ public:
     QString Support;
     /// What the mesh does to the force of the body.
     palpate::TouchMeshError MeshError;
+    /// Whether the space has the stages of a cut; then the area that is open, m², and what the hand
+    /// has done, what the body stores and what tearing has taken, J.
+    bool HasCut = false;
+    double TornArea = 0;
+    double HandWork = 0;
+    double Stored = 0;
+    double TornWork = 0;
     /// How deep a rigid tool is in the body at rest, or how far the tool has moved its node, m;
     /// below 0: the tool touches nothing.
     double Depth = -1;

@@ -240,7 +240,8 @@ void pqPalpateBodyView::RestorePicture()
   }
 }
 
-void pqPalpateBodyView::Show(int node, vtkIdType body, int branch, const double* displacement)
+void pqPalpateBodyView::Show(
+  int node, vtkIdType body, int branch, const double* displacement, double tornArea)
 {
   vtkSMProxy* filter = this->Filter->getProxy();
   const bool isKnown = this->IsKnown();
@@ -251,6 +252,9 @@ void pqPalpateBodyView::Show(int node, vtkIdType body, int branch, const double*
   vtkSMPropertyHelper(filter, "StartBranch").Set(branch);
   vtkSMPropertyHelper(filter, "Branch").Set(-1);
   vtkSMPropertyHelper(filter, "Displacement").Set(displacement, 3);
+  // The loop has already torn it so far.
+  vtkSMPropertyHelper(filter, "TornArea").Set(tornArea);
+  vtkSMPropertyHelper(filter, "FractureToughness").Set(0.0);
   this->Take(filter, isKnown);
 }
 
@@ -339,7 +343,7 @@ void pqPalpateBodyView::SetRest()
   constexpr int findsItself = -1;
   const double zero[3] = { 0, 0, 0 };
   vtkSMPropertyHelper(this->Filter->getProxy(), "ToolPosition").Set(this->Free, 3);
-  this->Show(FirstOfSpace, FirstBody, findsItself, zero);
+  this->Show(FirstOfSpace, FirstBody, findsItself, zero, 0);
 }
 
 void pqPalpateBodyView::Draw()
