@@ -403,16 +403,18 @@ std::vector<palpate::BodyOfRun> vtkPalpatePrecomputeStateSpace::Stages(
   }
   if (options.contact)
   {
-    throw palpate::InputError("The body has a cut, and the tool is rigid: it is not known yet how a "
-                              "cut opens under a rigid tool. Choose the tool Bonded Node, or set "
-                              "CutStages to This Stage, for which the cut stays as it is.");
+    throw palpate::InputError(
+      "The body has a cut, and the tool is rigid: it is not known yet how a "
+      "cut opens under a rigid tool. Choose the tool Bonded Node, or set "
+      "CutStages to This Stage, for which the cut stays as it is.");
   }
   if (scene.has_load())
   {
-    throw palpate::InputError("The body has a cut and a load, under which each stage of the cut rests "
-                              "elsewhere, so that their energies cannot be compared. Take the load "
-                              "away (BodyForce, or that of Set Boundary), or set CutStages to This "
-                              "Stage.");
+    throw palpate::InputError(
+      "The body has a cut and a load, under which each stage of the cut rests "
+      "elsewhere, so that their energies cannot be compared. Take the load "
+      "away (BodyForce, or that of Set Boundary), or set CutStages to This "
+      "Stage.");
   }
   if (this->Exploration != WHOLE_SPACE)
   {
@@ -572,9 +574,10 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     {
       if (this->History == LEVELS)
       {
-        throw palpate::InputError("History is Levels, but the body has a cut, and a body that tears "
-                                  "is not followed from branch to branch. Set History to Flat, or "
-                                  "CutStages to This Stage.");
+        throw palpate::InputError(
+          "History is Levels, but the body has a cut, and a body that tears "
+          "is not followed from branch to branch. Set History to Flat, or "
+          "CutStages to This Stage.");
       }
       options.history = palpate::History::flat;
     }

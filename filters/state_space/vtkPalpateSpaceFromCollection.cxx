@@ -104,8 +104,8 @@ void ReadSurface(vtkDataSet* data, TouchSpace& space)
   {
     return;
   }
-  surface.num_of_cut = static_cast<std::size_t>(
-    Required(data->GetFieldData(), SidesOfCut, 1)->GetComponent(0, 0));
+  surface.num_of_cut =
+    static_cast<std::size_t>(Required(data->GetFieldData(), SidesOfCut, 1)->GetComponent(0, 0));
   if (surface.num_of_cut > surface.triangles.size())
   {
     throw InputError("The Surface of the state space has fewer triangles than its cut. Compute the "

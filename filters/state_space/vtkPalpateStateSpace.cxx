@@ -139,12 +139,12 @@ vtkSmartPointer<vtkPolyData> SurfaceData(TouchSpace& space)
   {
     auto* sides = AddArray<vtkIdTypeArray>(data->GetFieldData(), SidesOfCut, 1, 1);
     sides->SetValue(0, static_cast<vtkIdType>(surface.num_of_cut));
-    auto* stages = AddArray<vtkDoubleArray>(data->GetFieldData(), StagesOfCut, 2,
-      static_cast<vtkIdType>(space.stages.size()));
+    auto* stages = AddArray<vtkDoubleArray>(
+      data->GetFieldData(), StagesOfCut, 2, static_cast<vtkIdType>(space.stages.size()));
     for (std::size_t s = 0; s < space.stages.size(); ++s)
     {
-      stages->SetTuple2(static_cast<vtkIdType>(s), static_cast<double>(space.stages[s].body),
-        space.stages[s].area);
+      stages->SetTuple2(
+        static_cast<vtkIdType>(s), static_cast<double>(space.stages[s].body), space.stages[s].area);
     }
   }
   return data;

@@ -505,8 +505,8 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindStag
     auto& made = cache.Branches[{ of.setup.key(), 0 }].Interpolators[how];
     if (!made)
     {
-      made = palpate::make_interpolator(
-        static_cast<palpate::Method>(this->Interpolation), of, options);
+      made =
+        palpate::make_interpolator(static_cast<palpate::Method>(this->Interpolation), of, options);
     }
     return *made;
   };
@@ -604,9 +604,8 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
   if (cache.Found.force)
   {
     findBranch(*cache.Found.tool_space, *cache.Found.force);
-    parts.push_back(
-      { cache.Found.tool_space.get(), 1, &cache.Found.force->part(0), &cache.LiveField, nullptr,
-        nullptr });
+    parts.push_back({ cache.Found.tool_space.get(), 1, &cache.Found.force->part(0),
+      &cache.LiveField, nullptr, nullptr });
     return parts;
   }
   const std::vector<const TouchToolSpace*> pressing = cache.Space.list_pressing();

@@ -58,16 +58,16 @@ TornEnergy::Jet TornEnergy::secant(const Around& around, int below) const noexce
 
 TornEnergy::Jet TornEnergy::slope(const Around& around, int stage) const noexcept {
   const int last = num_stages() - 1;
-  if (last == 1) return secant(around, 0);
-  if (stage == 0 || stage == last) {
+  // In truth G is 0 where there is no cut, and grows with it. By the secant it is what decides
+  // whether a tear begins.
+  if (stage == 0 || last == 1) return secant(around, 0);
+  if (stage == last) {
     // The parabola through three stages, where it falls, and not more than three times as steeply
     // as the nearest secant.
-    const int near = stage == 0 ? 0 : last - 1;
-    const int far = stage == 0 ? 1 : last - 2;
-    const Jet nearest = secant(around, near);
-    const double w = width(near);
-    const double v = width(far);
-    const Jet slope = ((2 * w + v) / (w + v)) * nearest + (-w / (w + v)) * secant(around, far);
+    const Jet nearest = secant(around, last - 1);
+    const double w = width(last - 1);
+    const double v = width(last - 2);
+    const Jet slope = ((2 * w + v) / (w + v)) * nearest + (-w / (w + v)) * secant(around, last - 2);
     if (!(slope.value * nearest.value > 0)) return {};
     return std::abs(slope.value) > 3 * std::abs(nearest.value) ? 3 * nearest : slope;
   }

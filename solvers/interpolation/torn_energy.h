@@ -3,7 +3,8 @@
 // cut. At each stage of the cut, the tool space of that stage gives Π_j(t) at the area A_j. Between
 // the stages Π is the monotone piecewise cubic in A of Fritsch and Butland (SIAM J. Sci. Stat.
 // Comput. 5, 1984), which is C¹, and has no energy release rate G = −∂Π/∂A below 0 if no stage has
-// more energy than the one before. Force and stiffness are its derivatives by t.
+// more energy than the one before. At the first stage G is that of the whole step to the next one.
+// Force and stiffness are the derivatives by t.
 //
 // A tears, at a toughness G_c, as far as that lowers Π + G_c A: continuously while G > G_c, and
 // from where it rests to the next stage where the whole step pays for itself, Π(A) − Π_{j+1} ≥ G_c

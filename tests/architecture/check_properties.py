@@ -14,7 +14,8 @@ import re
 import sys
 from xml.etree import ElementTree
 
-UNIT = re.compile(r"\b[Nn]o unit\b|(?:^|[\s(])(?:m|m³|Pa|N|N/m|J|s|1/s|m/s²|kg/m³)(?=[\s,;:.)]|$)")
+UNIT = re.compile(r"\b[Nn]o unit\b|(?:^|[\s(])(?:m|m²|m³|Pa|N|N/m|J|J/m²|s|1/s|m/s²|kg/m³)"
+                  r"(?=[\s,;:.)]|$)")
 # The groups of which every property is advanced.
 ADVANCED = {"Accuracy", "Finer Part", "Log", "Solver"}
 # Properties of earlier versions, which are not shown.

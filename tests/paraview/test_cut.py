@@ -3,7 +3,8 @@
 
 import numpy
 from paraview.simple import (AssignMaterial, Calculator, OutputPort, PassThrough, PlaceCut, Plane,
-                             SetBoundary, SolveEquilibrium)
+                             PrecomputeStateSpace, SetBoundary, SolveEquilibrium, StateSpaceReader,
+                             TouchStateSpace)
 from support import (box_body, cell_array, expect_error, expect_silence, fetch, field, node_at,
                      places, point_array, source)
 
@@ -96,6 +97,111 @@ def test_lips():
     # A part of it is the layer that is told; the rest is true slip.
     assert usual - layer < 0.96 * whole, (whole, usual, layer)
     assert layer > 2 * thin_layer > 0, (layer, thin_layer)
+
+
+TIP = [0, 0.03, LENGTHS[2]]
+PULL = [0, 0, 0.006]
+
+
+def two_stages(name, stage=0):
+    """The body with a cut of two stages, open up to one of them."""
+    cut = PlaceCut(Input=body(name), Sheet=sheet(), CutDirection=[1, 0, 0], StageSpacing=0.02,
+                   Stage=stage)
+    boundary = SetBoundary(Input=AssignMaterial(Input=cut, Law="Neo-Hookean"),
+                           FixedRegion="Plane")
+    boundary.FixedRegion.Origin = [0, 0, 1e-6]
+    boundary.FixedRegion.Normal = [0, 0, 1]
+    return boundary
+
+
+def space_of_stages(boundary, **properties):
+    return PrecomputeStateSpace(Input=boundary, ActiveNodes=[node_at(boundary, TIP)],
+                                TipRadius=0.012, HalfWidth=0.006, Resolution=3, LogInterval=0,
+                                **properties)
+
+
+def openings(grid, rest):
+    """How far apart the two points of each place of the cut at the edge x = 0 are."""
+    moved = point_array(grid, "Displacement")
+    on = [p for p in range(len(rest)) if abs(rest[p][2] - HEIGHT) < 1e-7 and rest[p][0] < 1e-7]
+    twins = {}
+    for p in on:
+        twins.setdefault(round(float(rest[p][1]), 4), []).append(moved[p])
+    return {y: abs(two[0] - two[1]).max() for y, two in twins.items() if len(two) == 2}
+
+
+def test_space_of_stages():
+    """A space of all stages has the forces, energies and shapes of solves at each of them."""
+    boundary = two_stages("stages_of_space")
+    areas = field(fetch(boundary), "StageArea").ravel()
+    space = space_of_stages(boundary, FileName="stages.palpate")
+    expect_silence(space.UpdatePipeline)
+    touch = TouchStateSpace(Input=space, ActiveNode=node_at(boundary, TIP), Displacement=PULL)
+    energies = []
+    for stage, area in enumerate(areas):
+        opened = two_stages(f"stage{stage}_of_space", stage)
+        solved = fetch(SolveEquilibrium(Input=opened, ActiveNodes=[node_at(opened, TIP)],
+                                        TipRadius=0.012, Displacement=PULL))
+        touch.TornArea = area
+        found = fetch(touch)
+        assert numpy.isclose(field(found, "TornArea")[0], area)
+        assert numpy.allclose(field(found, "Force"), field(solved, "ReactionForce"), rtol=1e-6,
+                              atol=1e-7), stage
+        energies.append(field(solved, "Energy")[0])
+        assert numpy.isclose(field(found, "Energy")[0], energies[-1], rtol=1e-6), stage
+        right = openings(solved, places(solved))
+        assert (len(right) > 0) == (stage > 0)
+        for y, opening in openings(
+                found, places(found) - point_array(found, "Displacement")).items():
+            assert abs(opening - right.get(y, 0)) < 2e-5, (stage, y, opening, right)
+    check_tear(touch, areas, numpy.array(energies))
+    # A run that goes on from the file finds nothing to do.
+    again = space_of_stages(boundary, FileName="stages.palpate")
+    again.UpdatePipeline()
+    assert again.FieldData["Solved"].GetRange(0)[0] == 0
+    reader = StateSpaceReader(FileName="stages.palpate")
+    read = TouchStateSpace(Input=reader, ActiveNode=node_at(boundary, TIP), Displacement=PULL,
+                           TornArea=0.7 * areas[1])
+    touch.FractureToughness = 0
+    touch.TornArea = 0.7 * areas[1]
+    for name in "Force", "Energy", "TornArea", "ReleaseRate":
+        assert numpy.array_equal(field(fetch(read), name), field(fetch(touch), name)), name
+
+
+def check_tear(touch, areas, energies):
+    """A tear begins where a step to the next stage pays for itself, and goes on while G > G_c."""
+    onset = (energies[0] - energies[1]) / areas[1]
+    touch.TornArea = 0
+    touch.FractureToughness = 1.01 * onset
+    assert field(fetch(touch), "TornArea")[0] == 0
+    touch.FractureToughness = 0.99 * onset
+    torn = field(fetch(touch), "TornArea")[0]
+    assert 0.5 * areas[1] <= torn <= areas[-1], (torn, areas, energies)
+    # A tougher body tears less far, to where G is the toughness.
+    touch.TornArea = areas[1]
+    torn = []
+    for toughness in onset * numpy.array([3, 1.5, 1, 0.7]):
+        touch.FractureToughness = toughness
+        found = fetch(touch)
+        torn.append(field(found, "TornArea")[0])
+        if areas[1] < torn[-1] < areas[-1]:
+            assert numpy.isclose(field(found, "ReleaseRate")[0], toughness, rtol=1e-6)
+    assert (numpy.diff(torn) >= 0).all() and torn[0] == areas[1] and torn[-1] > torn[0], torn
+
+
+def test_stages_that_cannot_be():
+    boundary = two_stages("impossible")
+    for properties, words in (({"Tool": "Sphere"}, ("the tool is rigid", "This Stage")),
+                              ({"History": "Levels"}, ("History is Levels", "Flat")),
+                              ({"MeshTolerance": 0.1}, ("MeshTolerance", "before Place Cut"))):
+        refused = space_of_stages(boundary, **properties)
+        if "Tool" in properties:
+            refused.ActiveNodes = []
+        expect_error(refused.UpdatePipeline, *words)
+    # A single stage is a body like any other.
+    alone = space_of_stages(boundary, CutStages="This Stage")
+    touched = fetch(TouchStateSpace(Input=alone, Displacement=PULL))
+    assert not touched.GetFieldData().HasArray("TornArea")
 
 
 def test_contact_of_a_cut_needs_one():

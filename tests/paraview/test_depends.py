@@ -203,15 +203,15 @@ def check_file(make, changes, file):
     return refused
 
 
-# They mean nothing without a MeshTolerance.
-OF_REGIONS = {"RegionSize": 0.06, "MaximumCells": 100000}
+# They mean nothing without a MeshTolerance, or without a cut.
+NEED_MORE = {"RegionSize": 0.06, "MaximumCells": 100000, "CutStages": "This Stage"}
 # It changes what is rounded, if anything: on Debian 13 nothing.
 ROUNDING = {"SinglePrecisionFactors"}
 # Other values of the properties of a space.
 OF_BOTH = {"ForceLimit": 0.5, "ThirdDerivatives": 0, "SolverTolerance": 1e-6,
            "SinglePrecisionFactors": 0, "MaximumSeconds": 60, "BodyForce": [0, 0, -1],
            "Keep": "All", "RanksPerSolve": 2, "Graspable": 1, "EstimateMeshError": 1,
-           "MeshTolerance": 0.1, **OF_REGIONS}
+           "MeshTolerance": 0.1, **NEED_MORE}
 OF_BONDED = {"TipRadius": 0.11, "HalfWidth": 0.012, "Resolution": 5, "Tolerance": 0.05,
              "ToleranceType": "Absolute", "History": "Levels", "IntermediateStates": 1,
              "DisplacementBound": 0.1}
@@ -236,12 +236,12 @@ def test_bonded_space():
         "Input", "Tool", "ToolSurface"}
     # Each of the others is without a meaning here, or does not change what is found.
     assert check_properties(make, changes) - ROUNDING == set(changes) - ROUNDING - {
-        "Graspable", "Keep", "MaximumSeconds", "ToleranceType", *OF_REGIONS}
+        "Graspable", "Keep", "MaximumSeconds", "ToleranceType", *NEED_MORE}
     # By a file that is there, what is to be found may be more, and otherwise computed or drawn.
     changes["DisplacementBound"] = 1e-5
     assert check_file(make, changes, "bonded.palpate") == set(changes) - {
         "ActiveNodes", "EstimateMeshError", "ForceLimit", "Graspable", "History",
-        "MaximumSeconds", "SinglePrecisionFactors", "ToleranceType", *OF_REGIONS}
+        "MaximumSeconds", "SinglePrecisionFactors", "ToleranceType", *NEED_MORE}
 
 
 def test_rigid_space():
@@ -259,10 +259,10 @@ def test_rigid_space():
     changes = {**OF_BOTH, **OF_RIGID, **OF_TOOL, "Tool": "Sphere"}
     all_changes = changes | BEFORE
     assert check_properties(make, all_changes) - ROUNDING == set(all_changes) - ROUNDING - {
-        "BeginAt", "Keep", "MaximumSeconds", *OF_REGIONS}
+        "BeginAt", "Keep", "MaximumSeconds", *NEED_MORE}
     assert check_file(make, changes, "rigid.palpate") == set(changes) - {
         "BeginAt", "Depth", "EstimateMeshError", "ForceLimit", "MaximumSeconds",
-        "SinglePrecisionFactors", "ToolRegion", "UseToolRegion", *OF_REGIONS}
+        "SinglePrecisionFactors", "ToolRegion", "UseToolRegion", *NEED_MORE}
 
 
 def on_plane(body, origin, normal, **settings):

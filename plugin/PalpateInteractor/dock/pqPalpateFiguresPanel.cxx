@@ -42,7 +42,8 @@ void pqPalpateFiguresPanel::addLive(QFormLayout* form)
   this->Mesh = AddFigure(form, "Mesh", "mesh",
     "How wrong the mesh makes the force of the body, as estimated with the space.");
   this->Tear = AddFigure(form, "Tear", "tear",
-    "The area of the cut that is open, and where the work of the hand has gone: stored in the body, "
+    "The area of the cut that is open, and where the work of the hand has gone: stored in the "
+    "body, "
     "into tearing, and lost in tears that ran by themselves or when the hand let go.");
   this->Explored = AddFigure(form, "Explored", "explored",
     "States that were found around the hand since the start, explorers, and how many of the cells "

@@ -57,7 +57,8 @@ public:
     /// Whether a rigid tool holds the body as long as the device's last button is held, where that
     /// is not the first one.
     bool GraspsWithButton = true;
-    /// The energy that it takes to open a cut whose stages the space has, J/m²; 0: it does not tear.
+    /// The energy that it takes to open a cut whose stages the space has, J/m²; 0: it does not
+    /// tear.
     double FractureToughness = 0;
     /// Coefficient of friction of a rigid tool.
     double Friction = 0;

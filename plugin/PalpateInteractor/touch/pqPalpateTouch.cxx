@@ -544,7 +544,8 @@ void pqPalpateTouch::show()
   const Vec3 pressed = presses ? contact.anchor : session.Away();
   const bool grew = presses && std::exchange(session.HasGrown, false);
   const bool moved = grew || node != session.Node || body != session.OnBody ||
-    branch != session.Branch || contact.torn_area != session.TornArea || displacement != session.Displacement || pressed != session.Pressed;
+    branch != session.Branch || contact.torn_area != session.TornArea ||
+    displacement != session.Displacement || pressed != session.Pressed;
   const bool showsFree = !mouse || mouse->ShowsTool();
   const bool says = mouse && session.Tool->Say(mouse->GetHint());
   if (!moved && !says && touches == session.Touches && showsFree == session.ShowsFree &&

@@ -49,8 +49,7 @@ public:
   /// @param body The body of the space on which the node is.
   /// @param branch The branch that the body is on there.
   /// @param displacement The displacement of the node [3], m.
-  void Show(
-    int node, vtkIdType body, int branch, const double* displacement, double tornArea);
+  void Show(int node, vtkIdType body, int branch, const double* displacement, double tornArea);
   /// @param place The place of the rigid tool [3], m.
   /// @param branch The branch that the body is on there.
   /// @param grew Whether more of the space is known, so that the same place may look different.

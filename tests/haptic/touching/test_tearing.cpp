@@ -67,7 +67,7 @@ class Pulling : public testing::TestWithParam<double> {
     return last_;
   }
   /// What the hand has done, less what is stored and what was torn, J.
-  [[nodiscard]] double excess() const { return work_ - last_.energy - torn_; }
+  [[nodiscard]] double excess() const { return last_.hand_work - last_.energy - last_.torn_work; }
 
   std::shared_ptr<const Touchable> body_ =
       std::make_shared<const Touchable>(torn_box(top_points()));

@@ -60,8 +60,10 @@ TEST(TornEnergy, HasTheStagesAndIsCloseToTheTruthBetween) {
   for (double area = 0; area < kAreas.back(); area += 0.013) {
     const TouchResult found = energy.evaluate(area, stages(t)).touch;
     const TouchResult right = Lobe::at(area, t);
-    EXPECT_NEAR(found.energy, right.energy, 4e-3 * right.energy);
-    EXPECT_LT((found.force - right.force).norm(), 6e-3 * right.force.norm());
+    // Before the first stage it goes by the whole step.
+    const double error = area < kAreas[1] ? 0.013 : 0.005;
+    EXPECT_NEAR(found.energy, right.energy, error * right.energy);
+    EXPECT_LT((found.force - right.force).norm(), error * right.force.norm());
   }
 }
 
