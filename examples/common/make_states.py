@@ -8,8 +8,8 @@ Argument: the name of an example.
 Sample runs, in this folder, with the plugin loaded:
     xvfb-run -a pvpython make_states.py liver
     for example in liver accuracy discretisation tolerance stability cluster roof palpation \
-      online two_hands wobble nodule bed brain; do xvfb-run -a pvpython make_states.py $example; \
-    done
+      online two_hands wobble nodule bed tear brain; do \
+      xvfb-run -a pvpython make_states.py $example; done
 """
 import os
 import sys
@@ -18,7 +18,8 @@ from xml.etree import ElementTree
 EXAMPLES = os.path.dirname(sys.path[0])
 # Of the examples that have an organ.py, that of this state.
 OF_ORGAN = "brain" if sys.argv[1:] == ["brain"] else "nodule"
-sys.path += [os.path.join(EXAMPLES, folder) for folder in ("liver", "roof", "bed", OF_ORGAN)]
+FOLDERS = "liver", "roof", "bed", "tear", OF_ORGAN
+sys.path += [os.path.join(EXAMPLES, folder) for folder in FOLDERS]
 
 import numpy as np
 import organ
@@ -26,6 +27,7 @@ from paraview import servermanager
 from paraview.simple import *
 
 import bed
+import tear
 from bodies import Organ
 from liver import choose_active_nodes, make_scene, parser, tetrahedralize, touches
 from make_surface import make_surface
@@ -43,6 +45,7 @@ IN_FRONT = np.array([-0.0543, 0.0360, 0.0491])  # where it is, m
 NODE_BELOW = 277
 OF_BRAIN = "brain_state.palpate"  # beside brain.palpate, which examples/brain/run makes
 TIP_RADIUS, HALF_WIDTH, TOOL_RADIUS = 0.015, 0.012, 0.01  # m
+PULL = 0.008  # of a lobe that tears, m
 
 
 def named(**sources):
@@ -306,6 +309,26 @@ def make_bed():
     return stage.view
 
 
+def make_tear():
+    """The left lobe, pulled and half torn."""
+    surface = update(OpenDataFile("liver.vtp"))
+    body = TetrahedralizeSurface(Input=surface, ElementOrder="Linear", PreserveSurface=1)
+    scene = tear.make_scene(update(body), 0.03)
+    node = tear.pulled_node(scene)
+    space = PrecomputeStateSpace(Input=scene, ActiveNodes=[node], TipRadius=tear.TIP_RADIUS,
+                                 HalfWidth=PULL, Resolution=3)
+    touch = TouchStateSpace(Input=update(space), ActiveNode=node, TornArea=0.002,
+                            Displacement=list(PULL * tear.DIRECTION))
+    material = scene.Input
+    named(**{"liver.vtp": surface}, Body=body, Sheet=material.Input.Sheet, Cut=material.Input,
+          Material=material, Scene=scene, Space=space, Touch=update(touch))
+    stage = Stage(scene)
+    Delete(GetDisplayProperties(scene, stage.view))  # What is hidden would be in the state too.
+    stage.view.CameraPosition = list(np.array(stage.view.CameraFocalPoint) + tear.FROM)
+    stage.show_touched(touch, PULL)
+    return stage.view
+
+
 def make_brain():
     """The brain, cut open where a sphere presses it."""
     labels = XMLImageDataReader(FileName=["labels.vti"])
@@ -388,7 +411,7 @@ MAKERS = {"liver": make_liver, "accuracy": make_accuracy, "discretisation": make
           "tolerance": make_tolerance, "stability": make_stability, "cluster": make_cluster,
           "roof": make_roof_touched, "palpation": make_palpation, "online": make_online,
           "two_hands": make_two_hands, "wobble": make_wobble, "nodule": make_nodule,
-          "bed": make_bed, "brain": make_brain}
+          "bed": make_bed, "tear": make_tear, "brain": make_brain}
 # Where what they read is, if it is not that of the liver.
 DATA = {"roof": "roof", "nodule": "nodule", "bed": "bed",
         "brain": os.path.join("..", "out", "brain")}

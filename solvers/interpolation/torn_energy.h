@@ -68,9 +68,11 @@ class TornEnergy {
     // It comes to rest within an interval at most twice: at G = G_c, and where what is left of the
     // interval does not pay for itself.
     for (int step = 0; step < 2 * num_stages() && area < end; ++step) {
-      const double torn = tear_within(gather(stage_below(area), stage), area, toughness);
-      if (!(torn - area > kRounding * whole_area())) break;
-      area = torn;
+      const int below = stage_below(area);
+      const double torn = tear_within(gather(below, stage), area, toughness);
+      const bool rests = !(torn - area > kRounding * whole_area());
+      area = std::max(area, torn);
+      if (rests && area < areas_[static_cast<std::size_t>(below) + 1]) break;
     }
     return std::min(area, end);
   }

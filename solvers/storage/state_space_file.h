@@ -15,13 +15,16 @@
 //   test_point     equilibria beside the configurations, see state_space/test_point.h
 //   mesh_region    the region that a tool space is for, of an organ that is divided; a file without
 //                  regions has no such table
+//   body_cut       the cut of a body and the stage at which that is; a file without cuts has no
+//   such
+//                  table
 //   reduced_array  the arrays of reduced models and of what was trained at places, and of training
 //                  that is under way; a file that holds none of them has no such table
 //
 // schema.sql.h says each column, its shape and unit. Blobs are little-endian arrays: float64, int32
 // or uint8. A NaN is a NULL. scene_id is the number of a body: 1 is the first, and in most files
-// the only one; others are other discretisations of the same organ, with tool spaces of their own.
-// parent_scene_id leaves room for a body whose topology changes. With Python (and NumPy):
+// the only one; others are other discretisations of the same organ, or stages of its cut, with tool
+// spaces of their own. With Python (and NumPy):
 //
 //   import sqlite3, numpy
 //   file = sqlite3.connect("liver.palpate")

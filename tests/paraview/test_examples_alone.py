@@ -176,6 +176,27 @@ def check_bed():
     assert done.returncode == 1 and done.stderr.startswith("slit.py: "), done.stderr
 
 
+def check_tear():
+    """A coarse space of four stages, beside direct solves, and a lobe that tears in it."""
+    small = ("--stage-spacing", "0.02", "--resolution", "3", "--half-width", "0.006", "--steps",
+             "8", "--element-order", "Linear")
+    done = run(1, *small, "--toughness", "0.025", "--output", "tear", example="tear")
+    assert done.returncode == 0, done.stderr
+    stages = rows_of("tear/stages.csv")
+    assert len(stages) == 4 and all(float(stage["off (%)"]) < 3 for stage in stages), stages
+    assert all(abs(float(stage["G off (%)"])) < 3 for stage in stages[1:]), stages
+    pull = rows_of("tear/table.csv")
+    torn = [float(row["torn (cm²)"]) for row in pull]
+    assert torn == sorted(torn) and torn[-1] > 1.2 * torn[0] > 0, torn
+    # Each joule is accounted for, and on the way back the torn lobe is softer.
+    assert all(float(row["lost (mJ)"]) > -1e-6 for row in pull), pull
+    force = [float(row["force (N)"]) for row in pull]
+    assert 0 < force[12] < 0.97 * force[4], force
+    expect_pictures("tear", "rest", "notched", "torn", "force", "energy")
+    done = run(1, *small, "--notch", "-1", "--output", "tear", example="tear")
+    assert done.returncode == 1 and done.stderr.startswith("tear.py: "), done.stderr
+
+
 if os.environ.get("PALPATE_SHARED_DATA"):
     check_locking(os.path.join(os.environ["PALPATE_SHARED_DATA"], "liver_seed.vtu"))
     check_stability(os.path.join(os.environ["PALPATE_SHARED_DATA"], "liver_seed.vtu"))
@@ -185,3 +206,4 @@ check_tolerance()
 check_two_hands()
 check_wobble()
 check_bed()
+check_tear()

@@ -145,6 +145,17 @@ TEST(TornEnergy, BeginsWhereAStepToTheNextStagePaysForItself) {
   EXPECT_EQ(energy.tear(0, kToughness, 0.17, at(1.001 * onset)), 0.17) << "as far as is allowed";
 }
 
+TEST(TornEnergy, GoesOnFromRoundingBesideAStage) {
+  const TornEnergy energy(kAreas);
+  constexpr double kToughness = 1;
+  const Vec3 t(0.55, 0, 0);
+  const double right = energy.tear(kAreas[2], kToughness, 1, stages(t));
+  ASSERT_GT(right, 1.1 * kAreas[2]);
+  for (const double beside : {1 - 1e-15, 1 + 1e-15}) {
+    EXPECT_NEAR(energy.tear(beside * kAreas[2], kToughness, 1, stages(t)), right, 1e-12);
+  }
+}
+
 TEST(TornEnergy, MakesNoEnergyOnRandomPaths) {
   const TornEnergy energy(kAreas);
   Random random(11);
