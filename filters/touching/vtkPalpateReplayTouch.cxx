@@ -64,6 +64,8 @@ struct Frame
   Vec3 Displacement = Vec3::Zero();
   Vec3 Place = Vec3::Zero();
   Vec3 Force = Vec3::Zero();
+  /// The area of the cut that is open, m².
+  double TornArea = 0;
 };
 
 /// The columns of a recording.
@@ -169,6 +171,11 @@ public:
         frame.Bodies[k] = this->Integer("body" + place, i);
       }
       frame.Weights[k] = this->Number("weight" + place, i);
+    }
+    // Recordings of earlier versions have no cut.
+    if (this->Table->GetColumnByName("torn_area_m2"))
+    {
+      frame.TornArea = this->Number("torn_area_m2", i);
     }
     const bool touches = frame.Contact == Attached || frame.Contact == Pressing;
     frame.Place = touches ? Vec3(anchor + frame.Displacement) : this->Vector("position", "_m", i);
@@ -386,6 +393,7 @@ struct vtkPalpateReplayTouch::Replay
     {
       this->Touch->SetActiveNode(node);
       this->Touch->SetBodyNumber(body);
+      this->Touch->SetTornArea(frame.TornArea);
       const Vec3 displacement = frame.Contact == Attached ? frame.Displacement : Vec3(0, 0, 0);
       this->Touch->SetDisplacement(displacement[0], displacement[1], displacement[2]);
       this->Touch->SetStartDisplacement(displacement[0], displacement[1], displacement[2]);

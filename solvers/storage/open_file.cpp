@@ -99,7 +99,7 @@ bool make_file(const fs::path& path, const Scene& scene, const SettledBody& at_r
     }
   }
   NewFile part(path);
-  {
+  try {
     const Database database(part.path(), Access::read_write);
     database.execute("PRAGMA page_size = " + std::to_string(kPageSize));
     database.execute("PRAGMA journal_mode = MEMORY");
@@ -107,6 +107,10 @@ bool make_file(const fs::path& path, const Scene& scene, const SettledBody& at_r
     make_schema(database);
     Bodies::write_first(database, scene, at_rest, solver_tolerance);
     transaction.commit();
+  } catch (const BackendError&) {
+    // Another process that has just made the file takes this one for what a killed one has left.
+    if (!fs::exists(part.path()) && fs::exists(path)) return false;
+    throw;
   }
   return part.put_where_none_is();
 }

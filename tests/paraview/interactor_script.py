@@ -15,6 +15,7 @@ from paraview.simple import *
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
 from dock_support import (click_start, click_stop, measure_frames, number, run_in_turn, runs, said,
                           touch_filter, touches, wait_for)
+from test_cut import space_of_stages, two_stages
 from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, action, apply,
                 application, canvas, choose, click, dialogs, dock, drag, in_dialog, is_shown, menu,
                 open_file, part, pixel_of, pixel_of_node, press_escape, property_widget, send,
@@ -260,6 +261,41 @@ def mouse():
     assert list(view.CameraPosition) == before
     let_go(end)
     click_stop()
+
+
+def tears():
+    """The mouse pulls a body with a cut until that tears; what is torn stays so, and where the work
+    of the hand has gone is told."""
+    boundary = two_stages("tearing")
+    space = space_of_stages(boundary)
+    view = GetActiveViewOrCreate("RenderView")
+    Show(space, view)
+    view.CameraPosition, view.CameraFocalPoint = [-0.3, -0.1, 0.25], [0.05, 0.03, 0.03]
+    view.CameraViewUp = [0, 0, 1]
+    view.ResetCamera()
+    Render()
+    wait(0.2)
+    toughness = part("fractureToughness")
+    wait_for(toughness.isEnabled, "the space has a cut")
+    toughness.setValue(0.05)
+    click_start("Mouse")
+    wait(0.5)
+    end = drag(pixel_of_node(view, touch_filter()), QtCore.QPoint(0, -4), 6)
+    wait_for(lambda: touches() and number("tear") > 0, "it tears")
+    wait(0.5)
+    torn = number("tear")
+    SaveScreenshot("torn.png", view, ImageResolution=[600, 450])
+    figures = [float(x) for x in re.findall(r"-?[\d.]+(?= (?:mJ|stored|torn|lost))",
+                                            part("tear").text())]
+    work, *parts = figures
+    assert len(parts) == 3 and abs(work - sum(parts)) < 0.02 and min(parts) > -0.02, figures
+    assert touch_filter().TornArea > 0
+    let_go(end)
+    wait(0.3)
+    assert number("tear") == torn
+    SaveScreenshot("let_go.png", view, ImageResolution=[600, 450])
+    click_stop()
+    print("torn", torn, *figures)
 
 
 def pick_nodes():
@@ -518,5 +554,5 @@ def goes_on(leave):
 # In the loop of events, as what a person does.
 QtCore.QTimer.singleShot(300, lambda: run_in_turn(
     {"touching": touching, "dots": dots, "escape": escape, "busy": busy, "mouse": mouse,
-     "road": road, "ends": ends, "remote": remote, "lost": lost,
+     "tears": tears, "road": road, "ends": ends, "remote": remote, "lost": lost,
      "quit": lambda: goes_on(application.quit), "close": lambda: goes_on(window.close)}))

@@ -103,6 +103,9 @@ def main():
     subprocess.run([make_space, "block.palpate"], check=True, stdout=subprocess.DEVNULL)
 
     alone = run("touching,mouse,escape,busy,ends", folder)
+    torn = run("tears", folder)["torn"]
+    assert 0 < torn[0] <= 24 and torn[3] > 0.01, torn
+    assert share_different("torn.png", "let_go.png") > 0.01
     assert 0.1 < alone["force"][0] < 10, alone
     # Whether the view follows and no tick is lost tells only a machine on which the threads hardly
     # wait for a processor. On any other a frame still takes no more of the thread that draws it

@@ -7,43 +7,15 @@
 #include <vector>
 
 #include "mesh/pieces.h"
-#include "solvers/support/box_mesh.h"
+#include "solvers/support/cut_cube.h"
 
 namespace palpate::test::test_opened_mesh {
 namespace {
 
-constexpr int kCells = 4;
-
-/// A cube of 1 m; its faces at z = ½ with x < ¼ j belong to stage j, up to x < ¾.
-struct Cube {
-  TetMesh mesh;
-  std::vector<OpenedFaces> faces;
-};
-
-Cube make_cube(ElementOrder order, double last = 0.75) {
-  Cube cube{make_box(order, {kCells, kCells, kCells}, Vec3(1, 1, 1)), {}};
-  for (Index c = 0; c < cube.mesh.num_cells(); ++c) {
-    OpenedFaces faces{};
-    for (int k = 0; k < 4; ++k) {
-      Vec3 middle = Vec3::Zero();
-      bool is_there = true;
-      for (int a = 0; a < 4; ++a) {
-        if (a == k) continue;
-        const Vec3& x = cube.mesh.points[cube.mesh.cell(c)[a]];
-        middle += x / 3;
-        is_there = is_there && std::abs(x.z() - 0.5) < 1e-9;
-      }
-      if (is_there && middle.x() < last) faces[k] = 1 + static_cast<int>(4 * middle.x());
-    }
-    cube.faces.push_back(faces);
-  }
-  return cube;
-}
-
 class OpenedMeshOf : public testing::TestWithParam<ElementOrder> {};
 
 TEST_P(OpenedMeshOf, HasThePointsBehindTheFrontTwice) {
-  const Cube cube = make_cube(GetParam());
+  const CutCube cube = make_cut_cube(GetParam());
   for (int stage = 0; stage <= 3; ++stage) {
     const OpenedMesh opened = open_mesh(cube.mesh, cube.faces, stage);
     // The points of the plane but for those of the front.
@@ -60,7 +32,7 @@ TEST_P(OpenedMeshOf, HasThePointsBehindTheFrontTwice) {
     }
     const std::size_t faces =
         boundary_triangles(opened.mesh).size() - boundary_triangles(cube.mesh).size();
-    EXPECT_EQ(faces, 2U * 2U * kCells * stage);
+    EXPECT_EQ(faces, 2U * 2U * kCutCubeCells * stage);
     EXPECT_FALSE(find_fault(cube.mesh, cube.faces, stage).has_value());
     EXPECT_EQ(euler_characteristic(opened.mesh), 2);
     EXPECT_EQ(find_rigid_parts(opened.mesh).size(), 1);
@@ -71,7 +43,7 @@ INSTANTIATE_TEST_SUITE_P(Orders, OpenedMeshOf,
                          testing::Values(ElementOrder::linear, ElementOrder::quadratic));
 
 /// Only those open faces stay that have a corner at a place.
-void keep_open(Cube& cube, const Vec3& place, bool only_one) {
+void keep_open(CutCube& cube, const Vec3& place, bool only_one) {
   for (Index c = 0; c < cube.mesh.num_cells(); ++c) {
     for (int k = 0; k < 4; ++k) {
       bool is_there = false;
@@ -98,7 +70,7 @@ void keep_open(Cube& cube, const Vec3& place, bool only_one) {
 }
 
 TEST(OpenedMesh, OfACrackInsideHasASurfaceOfItsOwn) {
-  Cube cube = make_cube(ElementOrder::linear);
+  CutCube cube = make_cut_cube(ElementOrder::linear);
   keep_open(cube, Vec3(0.5, 0.5, 0.5), false);
   EXPECT_FALSE(find_fault(cube.mesh, cube.faces, 3).has_value());
   const OpenedMesh opened = open_mesh(cube.mesh, cube.faces, 3);
@@ -107,7 +79,7 @@ TEST(OpenedMesh, OfACrackInsideHasASurfaceOfItsOwn) {
 }
 
 TEST(OpenedMesh, IsFaultyWhereNoCornerOfAFaceOpens) {
-  Cube cube = make_cube(ElementOrder::linear);
+  CutCube cube = make_cut_cube(ElementOrder::linear);
   keep_open(cube, Vec3(0.5, 0.5, 0.5), true);
   const auto fault = find_fault(cube.mesh, cube.faces, 3);
   ASSERT_TRUE(fault.has_value());
@@ -115,12 +87,12 @@ TEST(OpenedMesh, IsFaultyWhereNoCornerOfAFaceOpens) {
 }
 
 TEST(OpenedMesh, MayFallApart) {
-  const Cube cube = make_cube(ElementOrder::linear, 1);
+  const CutCube cube = make_cut_cube(ElementOrder::linear, 1);
   EXPECT_EQ(find_rigid_parts(open_mesh(cube.mesh, cube.faces, 4).mesh).size(), 2);
 }
 
 TEST(OpenedMesh, IsFaultyWhereAFaceIsOpenOnOneSideAlone) {
-  Cube cube = make_cube(ElementOrder::linear);
+  CutCube cube = make_cut_cube(ElementOrder::linear);
   const auto is_open = [](const OpenedFaces& faces) {
     return std::any_of(faces.begin(), faces.end(), [](int stage) { return stage == 1; });
   };

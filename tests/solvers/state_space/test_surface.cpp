@@ -6,8 +6,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
+#include <utility>
+#include <vector>
 
+#include "cutting/opened_scene.h"
 #include "solvers/state_space/example_space.h"
+#include "solvers/support/cut_cube.h"
+#include "state_space/shown_surface.h"
+#include "state_space/touch_space.h"
 
 namespace palpate::test::test_surface {
 namespace {
@@ -42,6 +48,46 @@ TEST_P(SurfaceOfOrder, IsClosedOutwardAndHoldsTheBoundaryPoints) {
     EXPECT_EQ(edges.count({edge.second, edge.first}), 1U) << "open edge";
   }
   EXPECT_NEAR(six_volumes / 6, 1e-3, 1e-15);
+}
+
+// All stages of a cut have the same triangles, so that what moves one of them moves the shown one.
+TEST_P(SurfaceOfOrder, OfACutHasBothSidesAtEachStage) {
+  std::vector<SpaceBody> bodies;
+  for (Scene& stage : open_stages(make_cut_scene(GetParam()))) {
+    bodies.push_back(make_space_body(std::move(stage)));
+    bodies.back().number = static_cast<BodyId>(bodies.size());
+  }
+  const ShownSurface shown(bodies);
+  const Surface& last = shown.surface();
+  const std::size_t split = GetParam() == ElementOrder::quadratic ? 4 : 1;
+  EXPECT_EQ(last.num_of_cut, split * 2 * 2 * 3 * kCutCubeCells);
+  const Scene& closed = *bodies.back().scene;
+  EXPECT_EQ(last.touched_triangles().size(), split * boundary_triangles(closed.body.mesh).size());
+  for (const SpaceBody& body : bodies) {
+    const Surface& surface = shown.surface_of(body.number);
+    ASSERT_EQ(surface.triangles.size(), last.triangles.size());
+    EXPECT_EQ(surface.num_of_cut, last.num_of_cut);
+    for (std::size_t t = 0; t < last.triangles.size(); ++t) {
+      for (int a = 0; a < 3; ++a) {
+        EXPECT_EQ(surface.points[surface.triangles[t][a]], last.points[last.triangles[t][a]]);
+      }
+    }
+    // The places of this body's points, carried over, are those of the shown ones.
+    Eigen::MatrixXf places(3 * static_cast<Eigen::Index>(surface.num_points()), 1);
+    for (Index p = 0; p < surface.num_points(); ++p) {
+      places.middleRows<3>(3 * Eigen::Index{p}) = surface.points[p].cast<float>();
+    }
+    const Eigen::MatrixXf carried = shown.carry(body.number, places);
+    for (Index p = 0; p < last.num_points(); ++p) {
+      EXPECT_EQ((carried.middleRows<3>(3 * Eigen::Index{p})), last.points[p].cast<float>());
+    }
+  }
+  const TouchSpace space = make_empty_touch_space(shown);
+  ASSERT_EQ(space.stages.size(), 4U);
+  for (std::size_t s = 0; s < space.stages.size(); ++s) {
+    EXPECT_EQ(space.stages[s].area, 0.25 * static_cast<double>(s));
+    EXPECT_EQ(space.stages[s].body, static_cast<BodyId>(4 - s));
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(, SurfaceOfOrder,

@@ -14,8 +14,10 @@
 #include <vector>
 
 #include "base/error.h"
+#include "cutting/opened_scene.h"
 #include "fields/packed_basis.h"
 #include "solvers/state_space/example_space.h"
+#include "solvers/support/cut_cube.h"
 #include "state_space/shown_surface.h"
 #include "storage/field_cache.h"
 #include "storage/rows.h"
@@ -362,6 +364,38 @@ TEST_F(BodiesTest, AreMergedByWhatTheyAre) {
   StateSpaceFile::create(folder_ / "other", cube_scene(1), kTolerance).close();
   StateSpaceFile writes = StateSpaceFile::open_to_append(path_, fine_.scene, kTolerance);
   EXPECT_THROW((void)writes.merge(folder_ / "other"), InputError);
+}
+
+TEST_F(BodiesTest, TheStagesOfACutAreBodies) {
+  const std::vector<Scene> stages = open_stages(make_cut_scene(ElementOrder::linear));
+  {
+    StateSpaceFile file = StateSpaceFile::create(path_, stages.front(), kTolerance);
+    for (std::size_t s = 1; s < stages.size(); ++s) (void)file.add_body(stages[s], {});
+    file.close();
+  }
+  const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+  const std::vector<SpaceBody> bodies = file.read_bodies();
+  ASSERT_EQ(bodies.size(), stages.size());
+  for (std::size_t s = 0; s < stages.size(); ++s) {
+    const Cut& cut = bodies[s].scene->body.cut;
+    EXPECT_EQ(cut.stage, stages[s].body.cut.stage);
+    EXPECT_EQ(cut.areas, stages[s].body.cut.areas);
+    EXPECT_EQ(cut.faces, stages[s].body.cut.faces);
+    EXPECT_EQ(bodies[s].hash, hash(stages[s]));
+  }
+  EXPECT_EQ(make_touch_space(file).stages.size(), stages.size());
+}
+
+TEST_F(BodiesTest, ADamagedCutIsNoticed) {
+  const Scene stage = open_scene(make_cut_scene(ElementOrder::linear), 2);
+  for (const std::string change :
+       {"UPDATE body_cut SET stage = 1", "UPDATE body_cut SET areas = faces",
+        "UPDATE body_cut SET faces = areas", "DELETE FROM body_cut"}) {
+    fs::remove(path_);
+    StateSpaceFile::create(path_, stage, kTolerance).close();
+    this->change(change);
+    EXPECT_THROW((void)StateSpaceFile::open_read_only(path_).read_bodies(), InputError) << change;
+  }
 }
 
 TEST_F(BodiesTest, AForgedNumberOfABodyIsNoticed) {
