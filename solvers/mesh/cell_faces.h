@@ -37,6 +37,19 @@ struct CellFace {
   return face;
 }
 
+/// Which corner of a cell is opposite to one of its faces; −1: the face is not of the cell.
+/// @param corners, face The first four and three numbers are those of the corners.
+[[nodiscard]] inline int corner_opposite(const Index* corners, const Index* face) {
+  int opposite = -1;
+  int num_others = 0;
+  for (int k = 0; k < 4; ++k) {
+    if (std::find(face, face + 3, corners[k]) != face + 3) continue;
+    opposite = k;
+    ++num_others;
+  }
+  return num_others == 1 ? opposite : -1;
+}
+
 /// All faces of all cells; those that two cells share are neighbours, that of the first cell first.
 [[nodiscard]] std::vector<CellFace> sorted_faces(const TetMesh& mesh);
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "assembly/loaded_faces.h"
+#include "mesh/cell_faces.h"
 
 namespace palpate {
 namespace {
@@ -36,12 +37,8 @@ ShapePacket shapes_at(const FacePoint* points, int nodes_per_face) {
 /// @param corners Of a face of the cell.
 bool is_open_face(const Body& body, Index cell, const Index* corners) {
   if (body.cut.faces.empty()) return false;
-  for (int k = 0; k < 4; ++k) {
-    const Index opposite = body.mesh.cell(cell)[k];
-    if (std::find(corners, corners + 3, opposite) != corners + 3) continue;
-    return is_open(body.cut.faces[cell][k], body.cut.stage);
-  }
-  return false;
+  const int opposite = corner_opposite(body.mesh.cell(cell), corners);
+  return is_open(body.cut.faces[cell][opposite], body.cut.stage);
 }
 
 }  // namespace

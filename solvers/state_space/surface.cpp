@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "cutting/opened_mesh.h"
+#include "mesh/cell_faces.h"
 
 namespace palpate {
 namespace {
@@ -82,16 +83,11 @@ Surface make_surface(const Body& body) {
   std::vector<Index> outside;
   std::vector<Index> of_cut;
   for (std::size_t f = 0; f < cells.size(); ++f) {
-    const auto corners = faces.begin() + static_cast<std::ptrdiff_t>(f * per_face);
-    bool is_of_cut = false;
-    for (int k = 0; k < 4; ++k) {
-      const Index opposite = body.mesh.cell(cells[f])[k];
-      if (std::find(corners, corners + 3, opposite) == corners + 3) {
-        is_of_cut = opens(body.cut.faces[cells[f]][k]);
-      }
-    }
+    const Index* corners = &faces[f * per_face];
+    const int opposite = corner_opposite(body.mesh.cell(cells[f]), corners);
+    const bool is_of_cut = opens(body.cut.faces[cells[f]][opposite]);
     std::vector<Index>& to = is_of_cut ? of_cut : outside;
-    to.insert(to.end(), corners, corners + static_cast<std::ptrdiff_t>(per_face));
+    to.insert(to.end(), corners, corners + per_face);
   }
   outside.insert(outside.end(), of_cut.begin(), of_cut.end());
   const bool is_quadratic = body.mesh.order == ElementOrder::quadratic;

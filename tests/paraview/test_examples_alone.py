@@ -177,13 +177,13 @@ def check_bed():
 
 
 def check_tear():
-    """A coarse space of four stages, beside direct solves, and a lobe that tears in it."""
-    small = ("--stage-spacing", "0.02", "--resolution", "3", "--half-width", "0.006", "--steps",
+    """A coarse space of three stages, beside direct solves, and a lobe that tears in it."""
+    small = ("--stage-spacing", "0.03", "--resolution", "3", "--half-width", "0.006", "--steps",
              "8", "--element-order", "Linear")
     done = run(1, *small, "--toughness", "0.025", "--output", "tear", example="tear")
     assert done.returncode == 0, done.stderr
     stages = rows_of("tear/stages.csv")
-    assert len(stages) == 4 and all(float(stage["off (%)"]) < 3 for stage in stages), stages
+    assert len(stages) == 3 and all(float(stage["off (%)"]) < 3 for stage in stages), stages
     assert all(abs(float(stage["G off (%)"])) < 3 for stage in stages[1:]), stages
     pull = rows_of("tear/table.csv")
     torn = [float(row["torn (cm²)"]) for row in pull]
