@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sheets of cuts in the mesh of a real body.
 //
-//   palpate_benchmark_cut space.palpate [--planes 500] [--curved 200] [--seed 1] [--edge 0]
+//   palpate_benchmark_cut space.palpate [--planes 500] [--curved 200] [--severing 100] [--seed 1]
+//     [--edge 0]
 //
 // Each sheet begins outside the body and ends at a random place within it, across a random
 // direction. Prints how many meshes are sound, what the others are refused for, the least angles
-// and how long it takes: a row of the table of README.md.
+// and how long it takes: a row of the table of README.md. Severing sheets go right through the
+// body, and are to be refused for that.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -52,20 +54,53 @@ Sheet make_sheet(const Vec3& end, const Vec3& normal, const Vec3& along, const V
   return Sheet(std::move(points), std::move(triangles), std::move(front));
 }
 
+Vec3 middle_of(const TetMesh& mesh, Index cell) {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < 4; ++k) sum += 0.25 * mesh.points[mesh.cell(cell)[k]];
+  return sum;
+}
+
+double size_of(const TetMesh& mesh) {
+  BoxTree::Box box;
+  for (const Vec3& x : mesh.points) box.extend(x);
+  return 1.2 * box.diagonal().norm();
+}
+
+void run_severing(const TetMesh& mesh, int sheets, double edge, unsigned seed) {
+  test::Random random(seed);
+  const double size = size_of(mesh);
+  int severed = 0;
+  std::map<std::string, int> otherwise;
+  for (int i = 0; i < sheets; ++i) {
+    const Vec3 place = middle_of(mesh, static_cast<Index>(random.uniform(0, mesh.num_cells())));
+    const Vec3 normal = Vec3(random.vector(3, 1)).normalized();
+    const Vec3 along = normal.cross(Vec3(random.vector(3, 1))).normalized();
+    const Sheet sheet =
+        make_sheet(place + size * along, normal, along, Vec3::Zero(), 2 * size, 2 * size);
+    SheetOptions options;
+    options.edge = edge;
+    try {
+      (void)put_sheet(mesh, {}, sheet, options);
+      ++otherwise["a mesh was made"];
+    } catch (const InputError& error) {
+      const std::string text = error.what();
+      text.find("severs") != std::string::npos ? ++severed : ++otherwise[text.substr(0, 60)];
+    }
+  }
+  std::printf("%d of %d severing sheets are refused for that.\n", severed, sheets);
+  for (const auto& [text, count] : otherwise) std::printf("  %d: %s\n", count, text.c_str());
+}
+
 void run(const char* what, const TetMesh& mesh, int sheets, bool is_curved, double edge,
          unsigned seed) {
   test::Random random(seed);
-  BoxTree::Box box;
-  for (const Vec3& x : mesh.points) box.extend(x);
-  const double size = 1.2 * box.diagonal().norm();
+  const double size = size_of(mesh);
   int tried = 0, sound = 0, severed = 0;
   std::map<std::string, int> refused;
   std::vector<double> angles, cells;
   double time = 0, longest = 0;
   while (tried < sheets) {
-    const auto cell = static_cast<Index>(random.uniform(0, mesh.num_cells()));
-    Vec3 end = Vec3::Zero();
-    for (int k = 0; k < 4; ++k) end += 0.25 * mesh.points[mesh.cell(cell)[k]];
+    const Vec3 end = middle_of(mesh, static_cast<Index>(random.uniform(0, mesh.num_cells())));
     const Vec3 normal = Vec3(random.vector(3, 1)).normalized();
     const Vec3 along = normal.cross(Vec3(random.vector(3, 1))).normalized();
     // Radii of curvature from a third of the body's size.
@@ -117,6 +152,7 @@ void run_all(const Arguments& arguments) {
   const auto seed = static_cast<unsigned>(arguments["seed"]);
   run("planes", mesh, static_cast<int>(arguments["planes"]), false, arguments["edge"], seed);
   run("curved", mesh, static_cast<int>(arguments["curved"]), true, arguments["edge"], seed + 1);
+  run_severing(mesh, static_cast<int>(arguments["severing"]), arguments["edge"], seed + 2);
 }
 
 }  // namespace
@@ -125,7 +161,8 @@ void run_all(const Arguments& arguments) {
 int main(int argc, char** argv) {
   try {
     palpate::run_all(palpate::Arguments(
-        argc, argv, {{"planes", 500}, {"curved", 200}, {"seed", 1}, {"edge", 0}}));
+        argc, argv,
+        {{"planes", 500}, {"curved", 200}, {"severing", 100}, {"seed", 1}, {"edge", 0}}));
   } catch (const std::exception& problem) {
     std::fprintf(stderr, "%s\n", problem.what());
     return 1;
