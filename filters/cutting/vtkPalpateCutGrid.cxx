@@ -61,17 +61,6 @@ std::vector<InCell> FindPlaces(
   }
   return found;
 }
-
-vtkSmartPointer<vtkDoubleArray> FieldOf(const char* name, const std::vector<double>& values)
-{
-  auto array = vtkSmartPointer<vtkDoubleArray>::New();
-  array->SetName(name);
-  for (const double value : values)
-  {
-    array->InsertNextValue(value);
-  }
-  return array;
-}
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
@@ -86,15 +75,10 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
   vtkCellData* cells = result->GetCellData();
   cells->CopyGlobalIdsOff();
   cells->CopyAllocate(grid->GetCellData(), opened.mesh.num_cells());
-  vtkNew<vtkIntArray> stages;
-  stages->SetName(vtkPalpateArray::CutStage);
-  stages->SetNumberOfComponents(4);
   for (Index c = 0; c < opened.mesh.num_cells(); ++c)
   {
     cells->CopyData(grid->GetCellData(), cut.parents[c], c);
-    stages->InsertNextTypedTuple(cut.faces[c].data());
   }
-  cells->AddArray(stages);
 
   vtkPointData* points = result->GetPointData();
   points->InterpolateAllocate(grid->GetPointData(), opened.mesh.num_points());
@@ -113,12 +97,14 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
     points->InterpolatePoint(grid->GetPointData(), p, ids, weights.data());
   }
   result->GetFieldData()->ShallowCopy(grid->GetFieldData());
-  result->GetFieldData()->AddArray(FieldOf("StageFront", cut.fronts));
-  result->GetFieldData()->AddArray(FieldOf(vtkPalpateArray::StageArea, cut.areas));
-  vtkNew<vtkIntArray> own;
-  own->SetName(vtkPalpateArray::Stage);
-  own->InsertNextValue(stage);
-  result->GetFieldData()->AddArray(own);
+  vtkNew<vtkDoubleArray> fronts;
+  fronts->SetName("StageFront");
+  for (const double front : cut.fronts)
+  {
+    fronts->InsertNextValue(front);
+  }
+  result->GetFieldData()->AddArray(fronts);
+  vtkPalpateWriteCut({ cut.faces, stage, cut.areas }, result);
   return result;
 }
 

@@ -229,31 +229,6 @@ void ReadCut(vtkUnstructuredGrid* grid, palpate::Scene& scene)
   }
 }
 
-void WriteCut(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
-{
-  const palpate::Cut& cut = scene.body.cut;
-  if (cut.faces.empty())
-  {
-    return;
-  }
-  vtkNew<vtkIntArray> stages;
-  stages->SetName(vtkPalpateArray::CutStage);
-  stages->SetNumberOfComponents(4);
-  for (const palpate::OpenedFaces& of_cell : cut.faces)
-  {
-    stages->InsertNextTypedTuple(of_cell.data());
-  }
-  grid->GetCellData()->AddArray(stages);
-  vtkNew<vtkIntArray> stage;
-  stage->SetName(vtkPalpateArray::Stage);
-  stage->InsertNextValue(cut.stage);
-  grid->GetFieldData()->AddArray(stage);
-  const auto areas =
-    Numbers(vtkPalpateArray::StageArea, 1, static_cast<vtkIdType>(cut.areas.size()));
-  std::copy(cut.areas.begin(), cut.areas.end(), areas->GetPointer(0));
-  grid->GetFieldData()->AddArray(areas);
-}
-
 void WriteContact(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
 {
   if (scene.organ.touching == palpate::TouchingParts::none)
@@ -480,6 +455,30 @@ void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene)
   ReadCut(grid, scene);
 }
 
+void vtkPalpateWriteCut(const palpate::Cut& cut, vtkUnstructuredGrid* grid)
+{
+  if (cut.faces.empty())
+  {
+    return;
+  }
+  vtkNew<vtkIntArray> stages;
+  stages->SetName(vtkPalpateArray::CutStage);
+  stages->SetNumberOfComponents(4);
+  for (const palpate::OpenedFaces& of_cell : cut.faces)
+  {
+    stages->InsertNextTypedTuple(of_cell.data());
+  }
+  grid->GetCellData()->AddArray(stages);
+  vtkNew<vtkIntArray> stage;
+  stage->SetName(vtkPalpateArray::Stage);
+  stage->InsertNextValue(cut.stage);
+  grid->GetFieldData()->AddArray(stage);
+  const auto areas =
+    Numbers(vtkPalpateArray::StageArea, 1, static_cast<vtkIdType>(cut.areas.size()));
+  std::copy(cut.areas.begin(), cut.areas.end(), areas->GetPointer(0));
+  grid->GetFieldData()->AddArray(areas);
+}
+
 void vtkPalpateWriteBoundary(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
 {
   const auto column = [](int number)
@@ -493,7 +492,7 @@ void vtkPalpateWriteBoundary(const palpate::Scene& scene, vtkUnstructuredGrid* g
     vtkPalpateArray::AppliedTraction, 3, scene.body.applied_traction,
     [](const palpate::Vec3& traction) { return traction.data(); }, grid);
   WriteContact(scene, grid);
-  WriteCut(scene, grid);
+  vtkPalpateWriteCut(scene.body.cut, grid);
 }
 
 std::vector<char> vtkPalpateHeldPoints(const palpate::Scene& scene)

@@ -78,6 +78,9 @@ PALPATESCENE_EXPORT void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpa
 PALPATESCENE_EXPORT void vtkPalpateWriteBoundary(
   const palpate::Scene& scene, vtkUnstructuredGrid* grid);
 
+/// Writes `CutStage`, `Stage` and `StageArea`; nothing if there is no cut.
+PALPATESCENE_EXPORT void vtkPalpateWriteCut(const palpate::Cut& cut, vtkUnstructuredGrid* grid);
+
 /// 1 for each point that is fixed or held along a direction [num_points]: a bonded tool cannot move
 /// it.
 PALPATESCENE_EXPORT std::vector<char> vtkPalpateHeldPoints(const palpate::Scene& scene);

@@ -421,22 +421,19 @@ std::vector<palpate::BodyOfRun> vtkPalpatePrecomputeStateSpace::Stages(
     throw palpate::InputError("The stages of a cut are explored as a whole only. Set Exploration "
                               "to Whole Space, or CutStages to This Stage.");
   }
+  std::vector<palpate::Index> nodes = options.active_nodes;
+  // Points that the cut doubles are no nodes of their own.
+  const palpate::Body& body = scene.body;
+  for (palpate::Index p = 0; options.active_nodes.empty() && p < body.mesh.num_points(); ++p)
+  {
+    if (body.touchable[p] != 0 && body.fixed[p] == 0)
+    {
+      nodes.push_back(p);
+    }
+  }
   std::vector<palpate::BodyOfRun> bodies;
   for (palpate::Scene& stage : palpate::open_stages(scene))
   {
-    std::vector<palpate::Index> nodes = options.active_nodes;
-    if (nodes.empty() && !options.contact)
-    {
-      // Points that the cut doubles are no nodes of their own.
-      const palpate::Body& body = scene.body;
-      for (palpate::Index p = 0; p < body.mesh.num_points(); ++p)
-      {
-        if (body.touchable[p] != 0 && body.fixed[p] == 0)
-        {
-          nodes.push_back(p);
-        }
-      }
-    }
     bodies.push_back({ std::make_shared<const palpate::Scene>(std::move(stage)), nodes });
   }
   return bodies;

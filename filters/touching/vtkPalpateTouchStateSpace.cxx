@@ -486,19 +486,13 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindStag
         ", but must be a number of 0 or more.");
     }
   }
-  std::vector<double> areas;
-  std::vector<const TouchToolSpace*> spaces;
-  for (const palpate::StageOfCut& stage : cache.Space.stages)
+  const std::vector<const TouchToolSpace*> spaces = cache.Space.find_stages(toolSpace.setup.id);
+  if (spaces.empty())
   {
-    areas.push_back(stage.area);
-    spaces.push_back(cache.Space.find({ toolSpace.setup.id, stage.body }));
-    if (!spaces.back())
-    {
-      throw palpate::InputError(toolSpace.setup.name() +
-        " was not explored at all stages of the cut. Run Precompute State Space on to its end.");
-    }
+    throw palpate::InputError(toolSpace.setup.name() +
+      " was not explored at all stages of the cut. Run Precompute State Space on to its end.");
   }
-  const palpate::TornEnergy energy(areas);
+  const palpate::TornEnergy energy(cache.Space.areas_of_stages());
   const auto interpolator = [&](int stage) -> const palpate::Interpolator&
   {
     const TouchToolSpace& of = *spaces[static_cast<std::size_t>(stage)];

@@ -27,11 +27,7 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
         "The state space has no active node and no rigid tool: there is nothing to touch. "
         "Precompute it for one.");
   }
-  if (!space.stages.empty()) {
-    std::vector<double> areas;
-    for (const StageOfCut& stage : space.stages) areas.push_back(stage.area);
-    torn_ = TornEnergy(std::move(areas));
-  }
+  if (!space.stages.empty()) torn_ = TornEnergy(space.areas_of_stages());
   nodes_.reserve(space.tool_spaces.size());
   for (const TouchToolSpace& tool_space : space.tool_spaces) {
     take_stiffness(tool_space.configurations);
@@ -79,14 +75,9 @@ void Touchable::take_node(const TouchToolSpace& tool_space, const TouchSpace& sp
   const BodyId body = tool_space.setup.body;
   if (torn_.is_cut()) {
     // The last stage stands for all of them, once they are there.
-    const ToolSpaceId id = tool_space.setup.id;
-    const BodyId last = space.stages.back().body;
-    const bool is_whole =
-        std::all_of(space.stages.begin(), space.stages.end(), [&](const StageOfCut& stage) {
-          return space.find({id, stage.body}) != nullptr;
-        });
-    if (!is_whole) return;
-    if (body != last) return take_node(*space.find({id, last}), space, {});
+    const std::vector<const TouchToolSpace*> stages = space.find_stages(tool_space.setup.id);
+    if (stages.empty()) return;
+    if (stages.back()->setup.body != body) return take_node(*stages.back(), space, {});
   }
   const Index surface_point = body == kFirstBody
                                   ? space.surface.find(mesh_point)
@@ -134,9 +125,8 @@ void Touchable::take_node(const TouchToolSpace& tool_space, const TouchSpace& sp
 }
 
 void Touchable::take_stages(Node& node, const TouchSpace& space) const {
-  for (const StageOfCut& stage : space.stages) {
-    node.at_stage.push_back(make_interpolator(
-        options_.method, *space.find({node.mesh_point, stage.body}), options_.interpolation));
+  for (const TouchToolSpace* stage : space.find_stages(node.mesh_point)) {
+    node.at_stage.push_back(make_interpolator(options_.method, *stage, options_.interpolation));
   }
 }
 

@@ -15,7 +15,16 @@ namespace palpate {
 
 namespace {
 
-void check_cut(const Cut& cut) {
+void check_cut(const Body& body) {
+  const Cut& cut = body.cut;
+  if (cut.faces.empty()) return;
+  if (cut.faces.size() != static_cast<std::size_t>(body.mesh.num_cells())) {
+    throw InputError(
+        "The body has " + std::to_string(body.mesh.num_cells()) + " cells, but " +
+        std::to_string(cut.faces.size()) +
+        " of them say where the cut goes. Apply Place Cut last of all that changes the "
+        "mesh.");
+  }
   std::int32_t last = 0;
   for (const OpenedFaces& of_cell : cut.faces) {
     last = std::max(last, *std::max_element(of_cell.begin(), of_cell.end()));
@@ -38,17 +47,8 @@ void check_contact(const Scene& scene) {
     throw InputError("The body has " + std::to_string(body.mesh.num_cells()) + " cells, but " +
                      std::to_string(body.part_of_cell.size()) + " of them have a part.");
   }
-  const Cut& cut = body.cut;
-  if (!cut.faces.empty() && cut.faces.size() != static_cast<std::size_t>(body.mesh.num_cells())) {
-    throw InputError(
-        "The body has " + std::to_string(body.mesh.num_cells()) + " cells, but " +
-        std::to_string(cut.faces.size()) +
-        " of them say where the cut goes. Apply Place Cut last of all that changes the "
-        "mesh.");
-  }
-  if (!cut.faces.empty()) check_cut(cut);
   if (scene.organ.touching == TouchingParts::none) return;
-  if (scene.organ.touching == TouchingParts::lips && cut.faces.empty()) {
+  if (scene.organ.touching == TouchingParts::lips && body.cut.faces.empty()) {
     throw InputError("The sides of a cut are to touch each other, but the body has no cut.");
   }
   validate(scene.organ.contact);
@@ -151,6 +151,7 @@ void check(Scene& scene) {
   }
   check_body_force(organ);
   check_surface_loads(body);
+  check_cut(body);
   check_contact(scene);
 }
 

@@ -14,8 +14,7 @@ namespace palpate {
 namespace {
 
 bool is_open(const std::vector<OpenedFaces>& faces, const CellFace& face, int stage) {
-  const std::int32_t from = faces[face.cell][face.opposite];
-  return from > 0 && from <= stage;
+  return palpate::is_open(faces[face.cell][face.opposite], stage);
 }
 
 EdgeKey longest_side(const TetMesh& mesh, const FaceKey& face) {

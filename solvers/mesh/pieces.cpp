@@ -44,9 +44,7 @@ Pieces collect(const TetMesh& mesh, Index num_sets, SetOfCell&& set_of_cell) {
 /// Whether the cell is on that side of its face to which the normal of the sorted corners points.
 bool looks_up(const TetMesh& mesh, const CellFace& face) {
   const Index* cell = mesh.cell(face.cell);
-  const Index opposite = *std::find_if(cell, cell + 4, [&](Index p) {
-    return std::find(face.corners.begin(), face.corners.end(), p) == face.corners.end();
-  });
+  const Index opposite = cell[face.opposite];
   const auto& [a, b, c] = face.corners;
   const Vec3 normal = (mesh.points[b] - mesh.points[a]).cross(mesh.points[c] - mesh.points[a]);
   return normal.dot(mesh.points[opposite] - mesh.points[a]) > 0;

@@ -66,8 +66,9 @@ std::vector<double> local_surface_edges(const TetMesh& mesh, double most) {
   std::vector<double> sums(mesh.points.size(), 0);
   std::vector<int> counts(mesh.points.size(), 0);
   for (const auto& triangle : triangles) {
+    const double edge = mean_edge(mesh, triangle);
     for (const Index point : triangle) {
-      sums[point] += mean_edge(mesh, triangle);
+      sums[point] += edge;
       ++counts[point];
     }
   }

@@ -26,7 +26,8 @@ std::vector<Triangle> split(const std::vector<Index>& faces) {
   return triangles;
 }
 
-std::vector<Triangle> corners_of(const std::vector<Index>& faces) {
+std::vector<Triangle> triangles_of(ElementOrder order, const std::vector<Index>& faces) {
+  if (order == ElementOrder::quadratic) return split(faces);
   std::vector<Triangle> triangles;
   for (std::size_t i = 0; i < faces.size(); i += 3) {
     triangles.push_back({faces[i], faces[i + 1], faces[i + 2]});
@@ -64,8 +65,7 @@ Index Surface::find(Index mesh_point) const {
 }
 
 Surface make_surface(const TetMesh& mesh) {
-  return surface_of(mesh, mesh.order == ElementOrder::quadratic ? split(boundary_faces(mesh))
-                                                                : boundary_triangles(mesh));
+  return surface_of(mesh, triangles_of(mesh.order, boundary_faces(mesh)));
 }
 
 Surface make_surface(const Body& body) {
@@ -90,9 +90,8 @@ Surface make_surface(const Body& body) {
     to.insert(to.end(), corners, corners + per_face);
   }
   outside.insert(outside.end(), of_cut.begin(), of_cut.end());
-  const bool is_quadratic = body.mesh.order == ElementOrder::quadratic;
-  Surface surface = surface_of(body.mesh, is_quadratic ? split(outside) : corners_of(outside));
-  surface.num_of_cut = of_cut.size() / per_face * (is_quadratic ? 4 : 1);
+  Surface surface = surface_of(body.mesh, triangles_of(body.mesh.order, outside));
+  surface.num_of_cut = triangles_of(body.mesh.order, of_cut).size();
   return surface;
 }
 

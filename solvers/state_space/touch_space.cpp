@@ -46,6 +46,21 @@ std::vector<const TouchToolSpace*> TouchSpace::list_pressing() const {
   return found.empty() ? of_regions : found;
 }
 
+std::vector<double> TouchSpace::areas_of_stages() const {
+  std::vector<double> areas;
+  for (const StageOfCut& stage : stages) areas.push_back(stage.area);
+  return areas;
+}
+
+std::vector<const TouchToolSpace*> TouchSpace::find_stages(ToolSpaceId id) const {
+  std::vector<const TouchToolSpace*> found;
+  for (const StageOfCut& stage : stages) {
+    found.push_back(find({id, stage.body}));
+    if (found.back() == nullptr) return {};
+  }
+  return found;
+}
+
 const TouchToolSpace* TouchSpace::find_pressing() const {
   const std::vector<const TouchToolSpace*> all = list_pressing();
   return all.empty() ? nullptr : all.front();

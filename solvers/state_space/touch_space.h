@@ -80,6 +80,10 @@ struct TouchSpace {
 
   /// The tool space with a key, or nullptr.
   [[nodiscard]] const TouchToolSpace* find(const ToolSpaceKey& key) const;
+  /// The areas of the stages, m².
+  [[nodiscard]] std::vector<double> areas_of_stages() const;
+  /// The tool spaces with a number at all stages; empty: there is no cut, or one is missing.
+  [[nodiscard]] std::vector<const TouchToolSpace*> find_stages(ToolSpaceId id) const;
   /// The tool spaces whose tool presses the body anywhere: none, one, or one for each region of
   /// the organ of which something was found. A space may have others besides: the first one by its
   /// key that is for the whole organ is taken alone.

@@ -366,11 +366,12 @@ const std::vector<Index>& Bodies::points_of(BodyId body, Keep keep) const {
   Read& of_body = read_[body];
   const auto found = of_body.points.find(keep);
   if (found != of_body.points.end()) return found->second;
-  if (!of_body.mesh) of_body.mesh = read_mesh(body);
-  Body cut_body;
-  cut_body.mesh = *of_body.mesh;
-  if (has_table(connection_.database(), kCut)) read_cut(body, cut_body.cut);
-  return of_body.points[keep] = kept_points(cut_body.mesh, make_surface(cut_body), keep);
+  if (!of_body.body) {
+    of_body.body.emplace();
+    of_body.body->mesh = read_mesh(body);
+    if (has_table(connection_.database(), kCut)) read_cut(body, of_body.body->cut);
+  }
+  return of_body.points[keep] = kept_points(of_body.body->mesh, make_surface(*of_body.body), keep);
 }
 
 TetMesh Bodies::read_mesh(BodyId body) const {

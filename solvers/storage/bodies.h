@@ -79,7 +79,8 @@ class Bodies {
  private:
   /// The parts of a body that were read already.
   struct Read {
-    std::optional<TetMesh> mesh;
+    /// Its mesh and its cut.
+    std::optional<Body> body;
     std::optional<SettledBody> settled;
     std::map<Keep, std::vector<Index>> points;
   };

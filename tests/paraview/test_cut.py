@@ -66,9 +66,9 @@ def test_opened():
     assert forces[0] > 1.1 * forces[1] > 1.1**2 * forces[2] > 0, forces
 
 
-def boundary_at(name, stage, **contact):
+def boundary_at(name, stage, spacing=0.01, **contact):
     """The body with its cut open up to a stage, held at its bottom."""
-    cut = PlaceCut(Input=body(name), Sheet=sheet(), CutDirection=[1, 0, 0], StageSpacing=0.01,
+    cut = PlaceCut(Input=body(name), Sheet=sheet(), CutDirection=[1, 0, 0], StageSpacing=spacing,
                    Stage=stage)
     boundary = SetBoundary(Input=AssignMaterial(Input=cut, Law="Neo-Hookean"),
                            FixedRegion="Plane", **contact)
@@ -104,14 +104,7 @@ PULL = [0, 0, 0.006]
 
 
 def two_stages(name, stage=0):
-    """The body with a cut of two stages, open up to one of them."""
-    cut = PlaceCut(Input=body(name), Sheet=sheet(), CutDirection=[1, 0, 0], StageSpacing=0.02,
-                   Stage=stage)
-    boundary = SetBoundary(Input=AssignMaterial(Input=cut, Law="Neo-Hookean"),
-                           FixedRegion="Plane")
-    boundary.FixedRegion.Origin = [0, 0, 1e-6]
-    boundary.FixedRegion.Normal = [0, 0, 1]
-    return boundary
+    return boundary_at(name, stage, spacing=0.02)
 
 
 def space_of_stages(boundary, **properties):
