@@ -15,6 +15,7 @@
 #include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPalpateMeshGrid.h"
+#include "vtkPalpateOpenedGrid.h"
 #include "vtkPalpateScene.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
@@ -68,25 +69,23 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
 {
   const TetMesh closed =
     mesh.order == ElementOrder::linear ? cut.mesh : palpate::with_middles(cut.mesh);
-  const palpate::OpenedMesh opened = palpate::open_mesh(closed, cut.faces, stage);
-  auto result = vtkPalpateGridFromMesh(opened.mesh);
+  auto result = vtkPalpateGridFromMesh(closed);
   const int nodes = palpate::nodes_per_cell(mesh.order);
   const std::vector<InCell> places_before = FindPlaces(mesh, closed, cut.parents);
   vtkCellData* cells = result->GetCellData();
   cells->CopyGlobalIdsOff();
-  cells->CopyAllocate(grid->GetCellData(), opened.mesh.num_cells());
-  for (Index c = 0; c < opened.mesh.num_cells(); ++c)
+  cells->CopyAllocate(grid->GetCellData(), closed.num_cells());
+  for (Index c = 0; c < closed.num_cells(); ++c)
   {
     cells->CopyData(grid->GetCellData(), cut.parents[c], c);
   }
 
   vtkPointData* points = result->GetPointData();
-  points->InterpolateAllocate(grid->GetPointData(), opened.mesh.num_points());
+  points->InterpolateAllocate(grid->GetPointData(), closed.num_points());
   vtkNew<vtkIdList> ids;
-  for (Index p = 0; p < opened.mesh.num_points(); ++p)
+  for (Index p = 0; p < closed.num_points(); ++p)
   {
-    const Index original = p < closed.num_points() ? p : opened.originals[p - closed.num_points()];
-    const InCell& before = places_before[original];
+    const InCell& before = places_before[p];
     ids->Reset();
     for (int k = 0; k < nodes; ++k)
     {
@@ -95,6 +94,11 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
     // Reference coordinates are the weights of the corners after the first.
     Eigen::VectorXd weights = palpate::shape_values(mesh.order, Vec3(before.Weights.tail<3>()));
     points->InterpolatePoint(grid->GetPointData(), p, ids, weights.data());
+  }
+  const palpate::OpenedMesh opened = palpate::open_mesh(closed, cut.faces, stage);
+  if (!opened.originals.empty())
+  {
+    result = vtkPalpateOpenedGrid(result, opened.mesh, opened.originals);
   }
   result->GetFieldData()->ShallowCopy(grid->GetFieldData());
   vtkNew<vtkDoubleArray> fronts;

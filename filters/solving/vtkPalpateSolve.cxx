@@ -74,7 +74,8 @@ bool vtkPalpateSolve::SolvesTogether(const palpate::Scene& scene, int numRanks) 
   const bool suits = this->LinearSolver == GroupSolver ||
     (this->IsSolverAutomatic() && palpate::linear_solver_names().front() == GroupSolver &&
       !palpate::may_do_without_factor(scene));
-  return numRanks > 1 && suits && palpate::count_unknowns(scene) >= this->GroupUnknowns;
+  return numRanks > 1 && suits && this->IsOneSystem() &&
+    palpate::count_unknowns(scene) >= this->GroupUnknowns;
 }
 
 void vtkPalpateSolve::SolveOnRanks(vtkInformationVector** inputs,

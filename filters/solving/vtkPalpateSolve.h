@@ -67,6 +67,9 @@ protected:
   virtual std::unique_ptr<palpate::LinearSolver> MakeLinearSolver(
     const palpate::Scene& scene, int threads) const;
 
+  /// Whether one system is solved for at a time, so that the ranks may do it together.
+  virtual bool IsOneSystem() const { return true; }
+
   /// The options of a solve whose progress is half done after so many iterations, and which ends
   /// where somebody aborts this filter.
   palpate::EquilibriumOptions SolverOptions(int threads, double iterationsAtHalf);

@@ -2,6 +2,7 @@
 #include "vtkPalpateSolveEquilibrium.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -20,6 +21,7 @@
 #include "interaction/mesh_error.h"
 #include "interaction/rigid_tool.h"
 #include "soft_contact/soft_contact.h"
+#include "tearing/tearing_body.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkInformation.h"
@@ -30,12 +32,14 @@
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFields.h"
 #include "vtkPalpateGuard.h"
+#include "vtkPalpateOpenedGrid.h"
 #include "vtkPalpatePartContact.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateSceneToEstimate.h"
 #include "vtkPalpateStress.h"
 #include "vtkPalpateToolRoute.h"
 #include "vtkPointData.h"
+#include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
 namespace
@@ -45,6 +49,8 @@ namespace
 constexpr double IterationsAtHalf = 10;
 /// A rigid tool comes from where it touches nothing: in so many steps as a rule.
 constexpr double StepsOfContact = 3;
+/// A body that may tear is solved for at its stage and at the next one.
+constexpr double BodiesOfTear = 2;
 
 void AddResult(vtkUnstructuredGrid* output, const palpate::Equilibrium& state)
 {
@@ -72,24 +78,48 @@ void AddResult(vtkUnstructuredGrid* output, const palpate::Equilibrium& state)
   }
 }
 
+/// An array of rows, which have five columns.
+vtkSmartPointer<vtkDoubleArray> MakeTable(
+  const char* title, const std::array<const char*, 5>& columns)
+{
+  auto table = vtkSmartPointer<vtkDoubleArray>::New();
+  table->SetName(title);
+  table->SetNumberOfComponents(static_cast<int>(columns.size()));
+  int component = 0;
+  for (const char* name : columns)
+  {
+    table->SetComponentName(component++, name);
+  }
+  return table;
+}
+
 void AddFolds(vtkDataObject* output, const std::vector<palpate::Fold>& folds)
 {
   constexpr double Nothing = std::numeric_limits<double>::quiet_NaN();
-  vtkNew<vtkDoubleArray> array;
-  array->SetName("Folds");
-  array->SetNumberOfComponents(5);
-  int component = 0;
-  for (const char* name : { "Way", "EnergyBefore", "EnergyAfter", "ForceBefore", "ForceAfter" })
-  {
-    array->SetComponentName(component++, name);
-  }
+  const auto table =
+    MakeTable("Folds", { "Way", "EnergyBefore", "EnergyAfter", "ForceBefore", "ForceAfter" });
   for (const palpate::Fold& fold : folds)
   {
     const double row[] = { fold.way, fold.energy, fold.lands ? fold.landing_energy : Nothing,
       fold.reaction.norm(), fold.lands ? fold.landing_reaction.norm() : Nothing };
-    array->InsertNextTuple(row);
+    table->InsertNextTuple(row);
   }
-  output->GetFieldData()->AddArray(array);
+  output->GetFieldData()->AddArray(table);
+}
+
+void AddTears(
+  vtkDataObject* output, const palpate::TearingBody& torn, const vtkPalpateToolRoute& way)
+{
+  const auto table = MakeTable("Tears", { "Way", "Stage", "Area", "EnergyBefore", "EnergyAfter" });
+  const double length = (way.End - way.Start).norm();
+  for (const palpate::Tear& tear : torn.tears())
+  {
+    const double row[] = { (tear.t - way.Start).norm() / length, static_cast<double>(tear.stage),
+      torn.scene().body.cut.areas[static_cast<std::size_t>(tear.stage)], tear.energy_before,
+      tear.energy_after };
+    table->InsertNextTuple(row);
+  }
+  output->GetFieldData()->AddArray(table);
 }
 
 void AddCells(vtkUnstructuredGrid* output, const char* name, const std::vector<double>& values)
@@ -140,9 +170,11 @@ int vtkPalpateSolveEquilibrium::RequestData(
   {
     palpate::Scene scene;
     vtkPalpateToolRoute route;
+    vtkSmartPointer<vtkPolyData> toolSurface;
     const auto setUp = [&](vtkUnstructuredGrid* body, vtkPolyData* surface) -> const palpate::Scene&
     {
       scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
+      toolSurface = surface;
       route = this->MakeRoute(scene, surface);
       // Loads act before a tool holds anything.
       palpate::PieceSupport(scene).require_held(
@@ -152,9 +184,19 @@ int vtkPalpateSolveEquilibrium::RequestData(
     const auto solve = [&](vtkUnstructuredGrid* body,
                          std::unique_ptr<palpate::LinearSolver> linearSolver, int threads)
     {
-      output->ShallowCopy(body);
       palpate::with_memory("to solve for the equilibrium of the body",
-        [&] { this->Solve(scene, route, std::move(linearSolver), threads, output); });
+        [&]
+        {
+          if (this->FractureToughness != 0)
+          {
+            const auto makeRoute = [&](const palpate::Scene& atStage)
+            { return this->MakeRoute(atStage, toolSurface); };
+            this->Tear(scene, makeRoute, threads, body, output);
+            return;
+          }
+          output->ShallowCopy(body);
+          this->Solve(scene, route, std::move(linearSolver), threads, output);
+        });
     };
     this->SolveOnRanks(inputVector, communicator, output, setUp, solve);
   };
@@ -184,6 +226,7 @@ void vtkPalpateSolveEquilibrium::UpdateEstimate()
       palpate::WorkCount work = palpate::work_of_equilibrium();
       work.right_hand_sides += 3. * static_cast<double>(this->ActiveNodes.size());
       const double seconds = this->Increments * (isRigid ? StepsOfContact : 1) *
+        (this->FractureToughness > 0 ? BodiesOfTear : 1) *
         palpate::seconds_of(work, cost, options.single_precision);
       return "An equilibrium of " + vtkPalpateTellNumber(cost.num_unknowns) +
         " unknowns. It takes " + vtkPalpateTellSeconds(seconds) + " and " +
@@ -286,7 +329,46 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
     this->IsSolverAutomatic() && !linearSolver };
   palpate::EquilibriumSolver solver(scene, options, std::move(linearSolver));
   const palpate::Equilibrium state = vtkPalpateFollow(scene, route, follow, options, solver);
+  this->AddState(scene, route, solver, state, output);
+}
 
+void vtkPalpateSolveEquilibrium::Tear(const palpate::Scene& scene,
+  const std::function<vtkPalpateToolRoute(const palpate::Scene&)>& makeRoute, int threads,
+  vtkUnstructuredGrid* body, vtkUnstructuredGrid* output)
+{
+  const palpate::EquilibriumOptions options = this->SolverOptions(threads, IterationsAtHalf);
+  const vtkPalpateToolRoute way = makeRoute(scene);
+  palpate::TearingBody torn(
+    scene, this->FractureToughness, way.Start,
+    [&](const palpate::Scene& atStage) { return std::move(makeRoute(atStage).Tool); },
+    [&](const palpate::Scene& atStage) {
+      return palpate::EquilibriumSolver(atStage, options, this->MakeLinearSolver(atStage, threads));
+    });
+  const Eigen::VectorXd whole = way.End - way.Start;
+  for (int part = 1; part <= this->Increments; ++part)
+  {
+    torn.move(way.Start + part * whole / this->Increments);
+  }
+  output->ShallowCopy(vtkPalpateOpenedGrid(body, torn.scene().body.mesh, torn.originals()));
+  vtkPalpateWriteCut(torn.scene().body.cut, output);
+  palpate::Equilibrium state = torn.state();
+  for (palpate::Fold& fold : state.summary.folds)
+  {
+    fold.way = (fold.t - way.Start).norm() / whole.norm();
+  }
+  this->AddState(torn.scene(), makeRoute(torn.scene()), torn.solver(), state, output);
+  vtkPalpateAddNumber(output, "TornArea", torn.scene().body.cut.area());
+  vtkPalpateAddNumber(output, "ReleaseRate", torn.release_rate());
+  if (!torn.tears().empty())
+  {
+    AddTears(output, torn, way);
+  }
+}
+
+void vtkPalpateSolveEquilibrium::AddState(const palpate::Scene& scene,
+  const vtkPalpateToolRoute& route, palpate::EquilibriumSolver& solver,
+  const palpate::Equilibrium& state, vtkUnstructuredGrid* output)
+{
   // What is added to each point and each cell, in numbers, at the most.
   constexpr std::size_t perPoint = 30;
   constexpr std::size_t perCell = 20;
@@ -351,5 +433,6 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "EstimateCondition: " << this->EstimateCondition << '\n'
      << indent << "EstimateMeshError: " << this->EstimateMeshError << '\n'
      << indent << "Stress: " << this->Stress << '\n'
+     << indent << "FractureToughness: " << this->FractureToughness << " J/m2\n"
      << indent << "Estimate: " << this->Estimate << '\n';
 }

@@ -29,6 +29,11 @@
  * tool: by which share its force is expected to be too large because of the size of the cells, see
  * solvers/interaction/mesh_error.h
  *
+ *   `TornArea`        only with a FractureToughness: the area of the cut that is open, m^2
+ *   `ReleaseRate`     with it: what opening the next stage would release, J/m^2; NaN: there is none
+ *   `Tears`           only where the cut has torn: a tuple a stage, `Way` (share of the way),
+ * `Stage`, `Area` (m^2), `EnergyBefore`, `EnergyAfter` (J)
+ *
  *   `PartLayerForce`  only where parts of the body touch: by how much ReactionForce is too large
  * because of the layer in which they press each other, N; a tuple a tool
  *
@@ -42,6 +47,7 @@
  */
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -100,6 +106,11 @@ public:
   vtkGetMacro(Stress, bool);
   vtkBooleanMacro(Stress, bool);
   ///@}
+  ///@{
+  /// The energy that it takes to open an area of the cut, J/m²; 0: the cut stays as it is.
+  vtkSetMacro(FractureToughness, double);
+  vtkGetMacro(FractureToughness, double);
+  ///@}
   ///@{ What the filter will take, by its properties and what its input is now.
   /// @note Collective.
   void UpdateEstimate();
@@ -119,6 +130,8 @@ private:
   vtkPalpateSolveEquilibrium(const vtkPalpateSolveEquilibrium&) = delete;
   void operator=(const vtkPalpateSolveEquilibrium&) = delete;
 
+  bool IsOneSystem() const override { return this->FractureToughness == 0; }
+
   vtkPalpateToolRoute MakeRoute(const palpate::Scene& scene, vtkPolyData* surface) const;
   void AddContact(const palpate::Scene& scene, const vtkPalpateToolRoute& route,
     const palpate::Equilibrium& state, vtkUnstructuredGrid* output);
@@ -127,6 +140,14 @@ private:
     vtkUnstructuredGrid* output);
   void Solve(const palpate::Scene& scene, const vtkPalpateToolRoute& route,
     std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output);
+  /// Solves while the cut of the body tears.
+  /// @param makeRoute Makes the route of the same tool on the body at another stage.
+  void Tear(const palpate::Scene& scene,
+    const std::function<vtkPalpateToolRoute(const palpate::Scene&)>& makeRoute, int threads,
+    vtkUnstructuredGrid* body, vtkUnstructuredGrid* output);
+  void AddState(const palpate::Scene& scene, const vtkPalpateToolRoute& route,
+    palpate::EquilibriumSolver& solver, const palpate::Equilibrium& state,
+    vtkUnstructuredGrid* output);
 
   std::vector<double> Displacements = { 0, 0, 0 };
   double ToolPosition[3] = { 0, 0, 0 };
@@ -134,6 +155,7 @@ private:
   bool EstimateCondition = false;
   bool EstimateMeshError = false;
   bool Stress = false;
+  double FractureToughness = 0;
   std::string Estimate;
   vtkPalpateSolveCost Cost;
 };

@@ -9,9 +9,20 @@
 
 namespace palpate {
 
-Scene open_scene(const Scene& closed, std::int32_t stage) {
-  Scene scene = closed;
-  Body& body = scene.body;
+NodalVector OpenedScene::carry(const NodalVector& u) const {
+  NodalVector all(u.size() + 3 * static_cast<Eigen::Index>(originals.size()));
+  all.head(u.size()) = u;
+  Eigen::Index next = u.size();
+  for (const Index original : originals) {
+    all.segment<3>(next) = u.segment<3>(3 * Eigen::Index{original});
+    next += 3;
+  }
+  return all;
+}
+
+OpenedScene open_scene(const Scene& before, std::int32_t stage) {
+  OpenedScene result{before, {}};
+  Body& body = result.scene.body;
   OpenedMesh opened = open_mesh(body.mesh, body.cut.faces, stage);
   body.mesh = std::move(opened.mesh);
   body.cut.stage = stage;
@@ -26,7 +37,8 @@ Scene open_scene(const Scene& closed, std::int32_t stage) {
   extend(body.support_stiffness);
   extend(body.applied_pressure);
   extend(body.applied_traction);
-  return scene;
+  result.originals = std::move(opened.originals);
+  return result;
 }
 
 std::vector<Scene> open_stages(const Scene& closed) {
@@ -38,7 +50,7 @@ std::vector<Scene> open_stages(const Scene& closed) {
   }
   std::vector<Scene> scenes;
   for (auto stage = static_cast<std::int32_t>(cut.areas.size()) - 1; stage >= 0; --stage) {
-    scenes.push_back(open_scene(closed, stage));
+    scenes.push_back(open_scene(closed, stage).scene);
   }
   return scenes;
 }

@@ -66,8 +66,9 @@ class Unit(NamedTuple):
 # The parts of solvers/ in order: each may include those before it.
 SOLVER_PARTS = ["base", "threads", "mesh", "materials", "reduced", "elements", "assembly",
                 "cutting", "interaction", "soft_contact", "linear", "iterative", "equilibrium",
-                "discretisation", "dynamics", "state_space", "fields", "interpolation", "storage",
-                "schedule", "exploration", "following", "reduction", "accuracy", "explorers"]
+                "tearing", "discretisation", "dynamics", "state_space", "fields", "interpolation",
+                "storage", "schedule", "exploration", "following", "reduction", "accuracy",
+                "explorers"]
 
 
 def solver_units():

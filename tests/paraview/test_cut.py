@@ -182,6 +182,54 @@ def check_tear(touch, areas, energies):
     assert (numpy.diff(torn) >= 0).all() and torn[0] == areas[1] and torn[-1] > torn[0], torn
 
 
+def test_tears_in_a_solve():
+    """A body that is solved for tears as far as its stages, solved one by one, say."""
+    boundary = boundary_at("torn", 0)
+    tip = {"ActiveNodes": [node_at(boundary, TIP)], "TipRadius": 0.012}
+
+    def pulled(scene, way=1.0, **properties):
+        return fetch(SolveEquilibrium(Input=scene, Displacement=[way * x for x in PULL], **tip,
+                                      **properties))
+
+    areas = field(fetch(boundary), "StageArea").ravel()
+    energies = numpy.array([field(pulled(boundary_at(f"torn{stage}", stage)), "Energy")[0]
+                            for stage in range(len(areas))])
+    rates = -numpy.diff(energies) / numpy.diff(areas)
+    toughness = 0.99 * rates[0]
+    stage = int(numpy.argmin([*(rates >= toughness), False]))
+    torn = pulled(boundary, FractureToughness=toughness)
+    assert field(torn, "Outcome")[0] == 0 and field(torn, "Stage")[0] == stage > 0
+    assert numpy.isclose(field(torn, "Energy")[0], energies[stage], rtol=1e-6)
+    assert numpy.isclose(field(torn, "TornArea")[0], areas[stage])
+    table = field(torn, "Tears")
+    assert numpy.allclose(table[:, 0], 1) and (table[:, 1] == numpy.arange(1, stage + 1)).all()
+    assert numpy.allclose(table[:, 3:], numpy.transpose([energies[:stage], energies[1:stage + 1]]),
+                          rtol=1e-6)
+    if stage + 1 < len(areas):
+        assert numpy.isclose(field(torn, "ReleaseRate")[0], rates[stage], rtol=1e-5)
+    # The body is that of the stage, but for the numbers of the second copies of points.
+    opened = fetch(boundary_at("opened", stage))
+    first = fetch(boundary).GetNumberOfPoints()
+    assert numpy.allclose(places(torn)[:first], places(opened)[:first])
+    rows = [numpy.column_stack([places(grid), point_array(grid, "Fixed")])
+            for grid in (torn, opened)]
+    assert numpy.allclose(*[them[numpy.lexsort(numpy.round(them, 6).T)] for them in rows])
+    whole = pulled(boundary, FractureToughness=1.01 * rates[0])
+    assert field(whole, "Stage")[0] == 0 and not whole.GetFieldData().HasArray("Tears")
+    assert numpy.isclose(field(whole, "ReleaseRate")[0], rates[0], rtol=1e-5)
+    parts = pulled(boundary, FractureToughness=toughness, Increments=3)
+    assert field(parts, "Stage")[0] == stage
+    uncut = SetBoundary(Input=AssignMaterial(Input=body("whole"), Law="Neo-Hookean"),
+                        FixedRegion="Plane")
+    uncut.FixedRegion.Origin, uncut.FixedRegion.Normal = [0, 0, 1e-6], [0, 0, 1]
+    tip["ActiveNodes"] = [node_at(uncut, TIP)]
+    expect_error(SolveEquilibrium(Input=uncut, FractureToughness=1, **tip).UpdatePipeline,
+                 "no cut along which it could tear", "Place Cut")
+    tip["ActiveNodes"] = [node_at(boundary, TIP)]
+    expect_error(SolveEquilibrium(Input=boundary, FractureToughness=-1, **tip).UpdatePipeline,
+                 "must be a number above 0")
+
+
 def test_stages_that_cannot_be():
     boundary = two_stages("impossible")
     for properties, words in (({"Tool": "Sphere"}, ("the tool is rigid", "This Stage")),

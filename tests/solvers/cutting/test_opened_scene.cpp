@@ -57,7 +57,7 @@ TEST_P(OpenedSceneOf, IsTheSceneAtEachStageTheLastOneFirst) {
 }
 
 TEST_P(OpenedSceneOf, OnlyTheSidesOfTheCutTouchEachOther) {
-  const Scene stage = open_scene(make_cut_scene(GetParam()), 3);
+  const Scene stage = open_scene(make_cut_scene(GetParam()), 3).scene;
   const auto contact = make_soft_contact(stage);
   const NodalVector none = NodalVector::Zero(3 * Eigen::Index{stage.body.mesh.num_points()});
   const auto found = contact->points_in_reach(none);
@@ -77,7 +77,7 @@ TEST_P(OpenedSceneOf, OnlyTheSidesOfTheCutTouchEachOther) {
 
 TEST(OpenedScene, RefusesAnOpenCutAndNone) {
   const Scene closed = make_cut_scene(ElementOrder::linear);
-  const Scene open = open_scene(closed, 1);
+  const Scene open = open_scene(closed, 1).scene;
   EXPECT_NE(message_of([&] { (void)open_stages(open); }).find("open up to stage 1"),
             std::string::npos);
   Scene none = closed;

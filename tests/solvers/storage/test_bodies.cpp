@@ -387,7 +387,7 @@ TEST_F(BodiesTest, TheStagesOfACutAreBodies) {
 }
 
 TEST_F(BodiesTest, ADamagedCutIsNoticed) {
-  const Scene stage = open_scene(make_cut_scene(ElementOrder::linear), 2);
+  const Scene stage = open_scene(make_cut_scene(ElementOrder::linear), 2).scene;
   for (const std::string change :
        {"UPDATE body_cut SET stage = 1", "UPDATE body_cut SET areas = faces",
         "UPDATE body_cut SET faces = areas", "DELETE FROM body_cut"}) {
