@@ -36,6 +36,10 @@ constexpr double kBend = 0.15;
 /// edge along which it moves; how far off it gets counts so many times as much as how far it moves.
 constexpr double kOffWall = 0.05;
 constexpr double kWeightOfOff = 20;
+/// Points of walls are moved off them, by this share of an edge at the most, if that mends a cell
+/// with an angle below so many times what is asked for.
+constexpr double kMostOffWall = 0.08;
+constexpr double kMendWall = 1.5;
 /// The mesh follows the sheet so far beyond its border, in edges around.
 constexpr double kMargin = 1;
 /// An edge does not cross the sheet where that turns away before it is so near, in edges.
@@ -44,9 +48,11 @@ constexpr double kBesideSheet = 0.05;
 constexpr int kSecants = 4;
 /// A cell with an angle below this is improved, degrees, in so many sweeps.
 constexpr double kGoodAngle = 6;
-constexpr int kSweeps = 8;
+constexpr int kSweeps = 20;
 /// The most edges that are divided to mend the mesh.
 constexpr int kMostRepairs = 50;
+/// The most edges of bad cells that are divided.
+constexpr int kMostDivisions = 8;
 /// The steps of the search for a better place, in edges.
 constexpr double kSteps[] = {0.3, 0.15, 0.07, 0.03, 0.01};
 /// A place that is so near to the sheet, in spacings, is on it; and the step of a difference.
@@ -94,6 +100,8 @@ class SheetCutter {
   SheetMesh run();
   /// The mesh with one more point, in the middle of an edge. Call it after run().
   SheetMesh divide_middle(const EdgeKey& edge);
+  /// The longest edge of the cell with the least angle.
+  [[nodiscard]] EdgeKey longest_edge_of_worst() const;
 
  private:
   void take(const TetMesh& mesh, const std::vector<Index>& regions);
@@ -109,6 +117,8 @@ class SheetCutter {
   void find_sheet_faces();
   void fit_fronts();
   void improve();
+  /// Whether a point of a wall would be too far off it at a place.
+  [[nodiscard]] bool leaves_wall(Index point, const Vec3& place);
   SheetMesh finish();
 
   /// The share of the way from a to b at which an edge crosses the sheet; negative: it does not,
@@ -143,6 +153,8 @@ class SheetCutter {
   std::set<FaceKey> walls_;
   std::set<EdgeKey> wall_edges_;
   std::vector<std::vector<Vec3>> wall_normals_;
+  /// Where points of walls were before they were moved off it.
+  std::map<Index, Vec3> homes_;
   /// 0 for the points on the sheet.
   std::vector<double> heights_;
   std::vector<double> front_of_;
@@ -585,6 +597,8 @@ void SheetCutter::improve() {
                                 {1, 0, 1},  {1, 0, -1}, {0, 1, 1}, {0, 1, -1}, {1, 1, 1},
                                 {1, 1, -1}, {1, -1, 1}, {-1, 1, 1}};
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    // Other directions in each sweep.
+    const Eigen::AngleAxisd turn(sweep, Vec3(1, 2, 3).normalized());
     std::vector<std::pair<double, Index>> bad;
     for (std::size_t c = 0; c < cells_.size(); ++c) {
       const auto& [a, b, d, e] = cells_[c];
@@ -595,7 +609,7 @@ void SheetCutter::improve() {
     bool any = false;
     for (const auto& [angle, c] : bad) {
       for (const Index p : cells_[c]) {
-        if (on_wall_[p] != 0) continue;
+        if (on_wall_[p] != 0 && angle >= kMendWall * options_.least_angle) continue;
         double best = angle_around(p, points_[p]);
         const double length = longest_edge(p);
         for (const double step : kSteps) {
@@ -603,13 +617,14 @@ void SheetCutter::improve() {
           bool is_better = false;
           for (const auto& axis : kAxes) {
             for (const double sign : {1.0, -1.0}) {
-              const Vec3 way = sign * Vec3(axis[0], axis[1], axis[2]).normalized();
+              const Vec3 way = sign * (turn * Vec3(axis[0], axis[1], axis[2]).normalized());
               Vec3 place = points_[p] + step * length * way;
               if (on_front_[p] != 0) {
                 place = onto_front(place, front_of_[p]);
               } else if (on_sheet_[p] != 0) {
                 place = onto_sheet(place);
               }
+              if (leaves_wall(p, place)) continue;
               const double now = angle_around(p, place);
               if (now <= best) continue;
               best = now;
@@ -627,6 +642,15 @@ void SheetCutter::improve() {
     }
     if (!any) return;
   }
+}
+
+bool SheetCutter::leaves_wall(Index point, const Vec3& place) {
+  if (on_wall_[point] == 0) return false;
+  const Vec3 way = place - homes_.emplace(point, points_[point]).first->second;
+  const double most = kMostOffWall * longest_edge(point);
+  const auto& normals = wall_normals_[point];
+  return std::any_of(normals.begin(), normals.end(),
+                     [&](const Vec3& normal) { return std::abs(normal.dot(way)) > most; });
 }
 
 SheetMesh SheetCutter::finish() {
@@ -694,6 +718,19 @@ SheetMesh SheetCutter::divide_middle(const EdgeKey& edge) {
   return finish();
 }
 
+EdgeKey SheetCutter::longest_edge_of_worst() const {
+  const auto angle = [&](const Corners& cell) {
+    return least_angle(points_[cell[0]], points_[cell[1]], points_[cell[2]], points_[cell[3]]);
+  };
+  const Corners& worst =
+      *std::min_element(cells_.begin(), cells_.end(),
+                        [&](const Corners& a, const Corners& b) { return angle(a) < angle(b); });
+  std::vector<EdgeKey> edges;
+  for (const auto& [a, b] : kTetEdges) edges.push_back(edge_of(worst[a], worst[b]));
+  sort_by_length(edges);
+  return edges.front();
+}
+
 /// @throws InputError a part falls off.
 void require_one_piece(const TetMesh& before, const SheetMesh& cut) {
   const Index num_parts = find_rigid_parts(before).size();
@@ -734,6 +771,13 @@ SheetMesh put_sheet(const TetMesh& mesh, const std::vector<Index>& regions, cons
     result = cutter.divide_middle(*fault->edge);
     fault = find_any_fault(result);
   }
+  // A point in a bad cell can be moved where its corners cannot.
+  const double least = std::min(options.least_angle, least_dihedral_angle(mesh));
+  for (int i = 0; i < kMostDivisions && !fault && result.least_angle < least; ++i) {
+    SheetMesh divided = cutter.divide_middle(cutter.longest_edge_of_worst());
+    if (find_any_fault(divided)) break;
+    result = std::move(divided);
+  }
   if (result.areas.back() == 0) {
     throw InputError(
         "The sheet opens no face of the body: it ends before its first front. Move it "
@@ -744,7 +788,7 @@ SheetMesh put_sheet(const TetMesh& mesh, const std::vector<Index>& regions, cons
     throw InputError("The sheet does not fit the mesh: " + fault->text +
                      ". Move the sheet a little, or make cells smaller near it.");
   }
-  if (result.least_angle < std::min(options.least_angle, least_dihedral_angle(mesh))) {
+  if (result.least_angle < least) {
     throw InputError("The sheet leaves a cell with an angle of " +
                      std::to_string(result.least_angle) +
                      " degrees. Move the sheet a little, or make cells smaller near it.");

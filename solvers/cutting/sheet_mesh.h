@@ -5,7 +5,8 @@
 // tissues along their edges alone; the edges that cross it then are divided where they do, which
 // leaves no cell on both sides. In the same way the edges on the sheet are fitted to the fronts at
 // which the stages of the cut end. Last, points around cells of a bad shape are moved to better
-// places.
+// places, those of the surface and of walls by up to 8 % of an edge off them, and edges of cells
+// that stay bad are divided.
 #pragma once
 
 #include <cstdint>

@@ -66,7 +66,8 @@ double size_of(const TetMesh& mesh) {
   return 1.2 * box.diagonal().norm();
 }
 
-void run_severing(const TetMesh& mesh, int sheets, double edge, unsigned seed) {
+void run_severing(const TetMesh& mesh, const std::vector<Index>& tissues, int sheets, double edge,
+                  unsigned seed) {
   test::Random random(seed);
   const double size = size_of(mesh);
   int severed = 0;
@@ -80,7 +81,7 @@ void run_severing(const TetMesh& mesh, int sheets, double edge, unsigned seed) {
     SheetOptions options;
     options.edge = edge;
     try {
-      (void)put_sheet(mesh, {}, sheet, options);
+      (void)put_sheet(mesh, tissues, sheet, options);
       ++otherwise["a mesh was made"];
     } catch (const InputError& error) {
       const std::string text = error.what();
@@ -91,8 +92,8 @@ void run_severing(const TetMesh& mesh, int sheets, double edge, unsigned seed) {
   for (const auto& [text, count] : otherwise) std::printf("  %d: %s\n", count, text.c_str());
 }
 
-void run(const char* what, const TetMesh& mesh, int sheets, bool is_curved, double edge,
-         unsigned seed) {
+void run(const char* what, const TetMesh& mesh, const std::vector<Index>& tissues, int sheets,
+         bool is_curved, double edge, unsigned seed) {
   test::Random random(seed);
   const double size = size_of(mesh);
   int tried = 0, sound = 0, severed = 0;
@@ -112,7 +113,7 @@ void run(const char* what, const TetMesh& mesh, int sheets, bool is_curved, doub
     SheetMesh cut;
     const double taken = seconds([&] {
       try {
-        cut = put_sheet(mesh, {}, sheet, options);
+        cut = put_sheet(mesh, tissues, sheet, options);
       } catch (const InputError& error) {
         problem = error.what();
       }
@@ -143,16 +144,19 @@ void run(const char* what, const TetMesh& mesh, int sheets, bool is_curved, doub
 }
 
 void run_all(const Arguments& arguments) {
-  const TetMesh mesh =
-      straight_cells(StateSpaceFile::open_read_only(arguments.scene).read_scene().body.mesh);
+  const Body body = StateSpaceFile::open_read_only(arguments.scene).read_scene().body;
+  const TetMesh mesh = straight_cells(body.mesh);
+  const std::vector<Index>& tissues = body.material_of_cell;
   std::printf("least angle of the mesh: %.1f\n", least_dihedral_angle(mesh));
   std::puts(
       "| sheets | tried | sound | % | severing, refused | least angle: least, median | cells | s: "
       "mean, longest |\n|---|---|---|---|---|---|---|---|");
   const auto seed = static_cast<unsigned>(arguments["seed"]);
-  run("planes", mesh, static_cast<int>(arguments["planes"]), false, arguments["edge"], seed);
-  run("curved", mesh, static_cast<int>(arguments["curved"]), true, arguments["edge"], seed + 1);
-  run_severing(mesh, static_cast<int>(arguments["severing"]), arguments["edge"], seed + 2);
+  run("planes", mesh, tissues, static_cast<int>(arguments["planes"]), false, arguments["edge"],
+      seed);
+  run("curved", mesh, tissues, static_cast<int>(arguments["curved"]), true, arguments["edge"],
+      seed + 1);
+  run_severing(mesh, tissues, static_cast<int>(arguments["severing"]), arguments["edge"], seed + 2);
 }
 
 }  // namespace

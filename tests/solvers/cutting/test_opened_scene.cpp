@@ -42,7 +42,9 @@ TEST_P(OpenedSceneOf, IsTheSceneAtEachStageTheLastOneFirst) {
       const Vec3& x = body.mesh.points[p];
       EXPECT_EQ(body.support_stiffness[p] > 0, x.x() == 0);
       EXPECT_EQ(body.fixed[p] != 0, x.z() == 0);
-      if (p < num_closed) EXPECT_EQ(x, closed.body.mesh.points[p]);
+      if (p < num_closed) {
+        EXPECT_EQ(x, closed.body.mesh.points[p]);
+      }
     }
     EXPECT_NO_THROW(check(stage));
     hashes.insert(hash(stage));
@@ -71,7 +73,9 @@ TEST_P(OpenedSceneOf, OnlyTheSidesOfTheCutTouchEachOther) {
   EXPECT_GT(area, 0);
   const SoftContact::OnSurface on = contact->on_surface(none);
   for (Index p = 0; p < stage.body.mesh.num_points(); ++p) {
-    if (std::abs(stage.body.mesh.points[p].z() - 0.5) > 1e-9) EXPECT_TRUE(std::isnan(on.gap[p]));
+    if (std::abs(stage.body.mesh.points[p].z() - 0.5) > 1e-9) {
+      EXPECT_TRUE(std::isnan(on.gap[p]));
+    }
   }
 }
 
