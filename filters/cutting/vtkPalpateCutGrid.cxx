@@ -149,3 +149,22 @@ void vtkPalpateCutFaces(const palpate::SheetMesh& cut, vtkPolyData* faces)
   faces->SetPolys(triangles);
   faces->GetCellData()->SetScalars(array);
 }
+
+std::vector<palpate::Index> vtkPalpateRegionsOf(vtkUnstructuredGrid* body)
+{
+  std::vector<Index> regions;
+  for (const char* name : { "Region", "RegionId" })
+  {
+    vtkDataArray* array = body->GetCellData()->GetArray(name);
+    if (!array || array->GetNumberOfComponents() != 1)
+    {
+      continue;
+    }
+    for (vtkIdType c = 0; c < array->GetNumberOfTuples(); ++c)
+    {
+      regions.push_back(static_cast<Index>(array->GetTuple1(c)));
+    }
+    return regions;
+  }
+  return regions;
+}

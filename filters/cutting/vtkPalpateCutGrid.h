@@ -2,6 +2,8 @@
 // The grids of a body in whose mesh a sheet was put.
 #pragma once
 
+#include <vector>
+
 #include "cutting/sheet_mesh.h"
 #include "vtkSmartPointer.h"
 
@@ -17,3 +19,6 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(vtkUnstructuredGrid* grid
 
 /// The faces on the sheet, with the cell array `CutStage`.
 void vtkPalpateCutFaces(const palpate::SheetMesh& cut, vtkPolyData* faces);
+
+/// The tissue of each cell: what its arrays `Region` or `RegionId` say; empty: there is one.
+std::vector<palpate::Index> vtkPalpateRegionsOf(vtkUnstructuredGrid* body);

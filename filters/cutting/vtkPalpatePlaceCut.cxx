@@ -3,14 +3,14 @@
 
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "base/error.h"
 #include "base/quantity.h"
+#include "cutting/cut_scene.h"
+#include "cutting/opened_scene.h"
 #include "cutting/sheet_mesh.h"
 #include "cutting/straight_cells.h"
 #include "vtkCellData.h"
-#include "vtkDataArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
@@ -24,6 +24,7 @@
 #include "vtkPalpateScene.h"
 #include "vtkPalpateWholeBody.h"
 #include "vtkPalpateWholeSurface.h"
+#include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
 
@@ -36,26 +37,6 @@ using palpate::InputError;
 constexpr int SheetPort = 1;
 /// The longest edge at the sheet by default, in distances of fronts.
 constexpr double EdgeOfSpacing = 2.5;
-
-/// The tissue of each cell: what its arrays `Region` or `RegionId` say; empty: there is one.
-std::vector<palpate::Index> RegionsOf(vtkUnstructuredGrid* body)
-{
-  std::vector<palpate::Index> regions;
-  for (const char* name : { "Region", "RegionId" })
-  {
-    vtkDataArray* array = body->GetCellData()->GetArray(name);
-    if (!array || array->GetNumberOfComponents() != 1)
-    {
-      continue;
-    }
-    for (vtkIdType c = 0; c < array->GetNumberOfTuples(); ++c)
-    {
-      regions.push_back(static_cast<palpate::Index>(array->GetTuple1(c)));
-    }
-    return regions;
-  }
-  return regions;
-}
 }
 
 vtkPalpatePlaceCut::vtkPalpatePlaceCut()
@@ -107,39 +88,68 @@ int vtkPalpatePlaceCut::RequestData(
       {
         return;
       }
-      if (!(this->StageSpacing > 0) || !std::isfinite(this->StageSpacing))
-      {
-        throw InputError("StageSpacing is " + palpate::quantity(this->StageSpacing, "m") +
-          ", but must be a length above 0.");
-      }
+      const vtkSmartPointer<vtkUnstructuredGrid> body = vtkPalpateToTetrahedra(gathered).Body;
       if (!(this->CutEdge >= 0) || !std::isfinite(this->CutEdge))
       {
-        throw InputError("CutEdge is " + palpate::quantity(this->CutEdge, "m") +
-          ", but must be a length, or 0 for two and a half StageSpacing.");
+        throw InputError(
+          "CutEdge is " + palpate::quantity(this->CutEdge, "m") + ", but must be a length, or 0.");
       }
-      vtkUnstructuredGrid* body = vtkPalpateToTetrahedra(gathered).Body;
-      palpate::TetMesh mesh = vtkPalpateMeshFromGrid(body);
-      palpate::check_and_orient(mesh);
-      const palpate::TetMesh cells = palpate::straight_cells(mesh);
-      palpate::Vec3 middle = palpate::Vec3::Zero();
-      for (const palpate::Vec3& x : cells.points)
+      const bool isScene = body->GetPointData()->HasArray(vtkPalpateArray::Fixed);
+      palpate::Scene scene;
+      if (isScene)
       {
-        middle += x / cells.num_points();
+        scene = vtkPalpateSceneFromGrid(body);
       }
-      const palpate::Sheet sheet = vtkPalpateSheetFromPolyData(
-        surface, this->FrontArray, palpate::Vec3(this->CutDirection), middle);
-      palpate::SheetOptions options;
-      options.spacing = this->StageSpacing;
-      options.edge = this->CutEdge > 0 ? this->CutEdge : EdgeOfSpacing * this->StageSpacing;
-      const palpate::SheetMesh cut = palpate::put_sheet(cells, RegionsOf(body), sheet, options);
-      if (this->Stage < 0 || this->Stage > cut.num_stages())
+      else
       {
-        throw InputError("Stage is " + std::to_string(this->Stage) + ", but the cut has " +
-          std::to_string(cut.num_stages()) + " stages. Choose one of 0 to " +
-          std::to_string(cut.num_stages()) + ", or another StageSpacing.");
+        scene.body.mesh = vtkPalpateMeshFromGrid(body);
+        palpate::check_and_orient(scene.body.mesh);
       }
-      output->ShallowCopy(vtkPalpateCutGrid(body, mesh, cut, this->Stage));
+      int stage = 0;
+      const palpate::SheetMesh cut =
+        this->PutSheet(body, palpate::straight_cells(scene.body.mesh), surface, stage);
+      output->ShallowCopy(vtkPalpateCutGrid(body, scene.body.mesh, cut, stage));
+      if (isScene)
+      {
+        vtkPalpateWriteBoundaryAnew(
+          palpate::open_scene(palpate::cut_scene(scene, cut), stage).scene, output);
+      }
       vtkPalpateCutFaces(cut, faces);
     });
   return 1;
+}
+
+palpate::SheetMesh vtkPalpatePlaceCut::PutSheet(
+  vtkUnstructuredGrid* body, const palpate::TetMesh& cells, vtkPolyData* surface, int& stage)
+{
+  if (body->GetCellData()->HasArray(vtkPalpateArray::CutStage))
+  {
+    throw InputError(
+      "The body has a cut already. Apply Cut Now in place of Place Cut, which leaves "
+      "open what is open of it.");
+  }
+  if (!(this->StageSpacing > 0) || !std::isfinite(this->StageSpacing))
+  {
+    throw InputError("StageSpacing is " + palpate::quantity(this->StageSpacing, "m") +
+      ", but must be a length above 0.");
+  }
+  palpate::Vec3 middle = palpate::Vec3::Zero();
+  for (const palpate::Vec3& x : cells.points)
+  {
+    middle += x / cells.num_points();
+  }
+  const palpate::Sheet sheet = vtkPalpateSheetFromPolyData(
+    surface, this->FrontArray, palpate::Vec3(this->CutDirection), middle);
+  palpate::SheetOptions options;
+  options.spacing = this->StageSpacing;
+  options.edge = this->CutEdge > 0 ? this->CutEdge : EdgeOfSpacing * this->StageSpacing;
+  palpate::SheetMesh cut = palpate::put_sheet(cells, vtkPalpateRegionsOf(body), sheet, options);
+  if (this->Stage < 0 || this->Stage > cut.num_stages())
+  {
+    throw InputError("Stage is " + std::to_string(this->Stage) + ", but the cut has " +
+      std::to_string(cut.num_stages()) + " stages. Choose one of 0 to " +
+      std::to_string(cut.num_stages()) + ", or another StageSpacing.");
+  }
+  stage = this->Stage;
+  return cut;
 }

@@ -4,7 +4,8 @@
  * @brief puts the sheet of a cut into the mesh of a body, and opens it up to a stage
  *
  * Input port 0: a body of tetrahedra, linear or quadratic with straight edges, with whatever arrays
- * it has. Input port 1: the sheet, any open surface, plane or curved, in m.
+ * it has. A scene (vtkPalpateScene.h) stays one: it is held, loaded and touched at the same places.
+ * Input port 1: the sheet, any open surface, plane or curved, in m.
  *
  * The mesh is changed near the sheet so that faces of cells lie on it. The cut grows along a
  * coordinate of the sheet, from where that meets the body, in strips that end at fronts: at stage j
@@ -29,6 +30,15 @@
 
 #include "PalpateCuttingModule.h"
 #include "vtkUnstructuredGridAlgorithm.h"
+
+class vtkPolyData;
+class vtkUnstructuredGrid;
+
+namespace palpate
+{
+struct SheetMesh;
+struct TetMesh;
+}
 
 class PALPATECUTTING_EXPORT vtkPalpatePlaceCut : public vtkUnstructuredGridAlgorithm
 {
@@ -73,6 +83,15 @@ protected:
   int RequestData(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
 
+  /// Puts the sheet into the mesh of a body.
+  /// @param cells The straight cells of the body.
+  /// @param stage Takes the stage that is given out.
+  virtual palpate::SheetMesh PutSheet(
+    vtkUnstructuredGrid* body, const palpate::TetMesh& cells, vtkPolyData* sheet, int& stage);
+
+  /// The longest edge of the cells at the sheet, m; 0: as PutSheet() chooses.
+  double CutEdge = 0;
+
 private:
   vtkPalpatePlaceCut(const vtkPalpatePlaceCut&) = delete;
   void operator=(const vtkPalpatePlaceCut&) = delete;
@@ -80,6 +99,5 @@ private:
   std::string FrontArray = "None";
   double CutDirection[3] = { 0, 0, 0 };
   double StageSpacing = 0.005;
-  double CutEdge = 0;
   int Stage = 0;
 };

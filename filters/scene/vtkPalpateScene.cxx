@@ -495,6 +495,17 @@ void vtkPalpateWriteBoundary(const palpate::Scene& scene, vtkUnstructuredGrid* g
   vtkPalpateWriteCut(scene.body.cut, grid);
 }
 
+void vtkPalpateWriteBoundaryAnew(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
+{
+  vtkPalpateAddChoice(grid, vtkPalpateArray::Fixed, scene.body.fixed);
+  vtkPalpateAddChoice(grid, vtkPalpateArray::Touchable, scene.body.touchable);
+  vtkPalpateWriteBoundary(scene, grid);
+  if (grid->GetPointData()->HasArray(vtkPalpateArray::BoundaryKind))
+  {
+    vtkPalpateAddBoundaryKinds(scene, grid);
+  }
+}
+
 std::vector<char> vtkPalpateHeldPoints(const palpate::Scene& scene)
 {
   std::vector<char> held = scene.body.fixed;

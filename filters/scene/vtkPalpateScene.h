@@ -78,6 +78,11 @@ PALPATESCENE_EXPORT void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpa
 PALPATESCENE_EXPORT void vtkPalpateWriteBoundary(
   const palpate::Scene& scene, vtkUnstructuredGrid* grid);
 
+/// Writes where the scene of another mesh is held, loaded and touched: these arrays, `Fixed`,
+/// `Touchable`, and the kinds of vtkPalpateAddBoundaryKinds() if the grid had them before.
+PALPATESCENE_EXPORT void vtkPalpateWriteBoundaryAnew(
+  const palpate::Scene& scene, vtkUnstructuredGrid* grid);
+
 /// Writes `CutStage`, `Stage` and `StageArea`; nothing if there is no cut.
 PALPATESCENE_EXPORT void vtkPalpateWriteCut(const palpate::Cut& cut, vtkUnstructuredGrid* grid);
 

@@ -120,13 +120,7 @@ void WriteBody(vtkUnstructuredGrid* body, const palpate::TetMesh& mesh,
     last = &refinement.mesh;
   }
   output->ShallowCopy(grid);
-  vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, scene.body.fixed);
-  vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, scene.body.touchable);
-  vtkPalpateWriteBoundary(scene, output);
-  if (body->GetPointData()->HasArray(vtkPalpateArray::BoundaryKind))
-  {
-    vtkPalpateAddBoundaryKinds(scene, output);
-  }
+  vtkPalpateWriteBoundaryAnew(scene, output);
 }
 }
 

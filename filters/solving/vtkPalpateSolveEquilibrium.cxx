@@ -21,8 +21,10 @@
 #include "interaction/mesh_error.h"
 #include "interaction/rigid_tool.h"
 #include "soft_contact/soft_contact.h"
+#include "tearing/pressed_sides.h"
 #include "tearing/tearing_body.h"
 #include "vtkCellData.h"
+#include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
@@ -120,6 +122,22 @@ void AddTears(
     table->InsertNextTuple(row);
   }
   output->GetFieldData()->AddArray(table);
+}
+
+/// The point array `Displacement` [3 × points], m; empty: there is none.
+palpate::NodalVector DisplacementOf(vtkUnstructuredGrid* body)
+{
+  vtkDataArray* array = body->GetPointData()->GetArray(vtkPalpateArray::Displacement);
+  if (!array || array->GetNumberOfComponents() != 3)
+  {
+    return {};
+  }
+  palpate::NodalVector u(3 * array->GetNumberOfTuples());
+  for (vtkIdType point = 0; point < array->GetNumberOfTuples(); ++point)
+  {
+    array->GetTuple(point, u.data() + 3 * point);
+  }
+  return u;
 }
 
 void AddCells(vtkUnstructuredGrid* output, const char* name, const std::vector<double>& values)
@@ -320,14 +338,22 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene,
     this, "The estimate of the error of the mesh (MeshError) cannot be trusted. " + why);
 }
 
-void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
-  const vtkPalpateToolRoute& route, std::unique_ptr<palpate::LinearSolver> linearSolver,
-  int threads, vtkUnstructuredGrid* output)
+void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, vtkPalpateToolRoute& route,
+  std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output)
 {
   const palpate::EquilibriumOptions options = this->SolverOptions(threads, IterationsAtHalf);
   const vtkPalpateFollowOptions follow = { this->Increments,
     this->IsSolverAutomatic() && !linearSolver };
   palpate::EquilibriumSolver solver(scene, options, std::move(linearSolver));
+  if (this->StartFromDisplacement)
+  {
+    route.Near = DisplacementOf(output);
+    const auto contact = palpate::make_soft_contact(scene);
+    if (contact && scene.body.cut.stage > 0 && route.Near.size() > 0)
+    {
+      route.Near = palpate::press_sides(scene, solver.assembly(), *contact, std::move(route.Near));
+    }
+  }
   const palpate::Equilibrium state = vtkPalpateFollow(scene, route, follow, options, solver);
   this->AddState(scene, route, solver, state, output);
 }
@@ -433,6 +459,7 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "EstimateCondition: " << this->EstimateCondition << '\n'
      << indent << "EstimateMeshError: " << this->EstimateMeshError << '\n'
      << indent << "Stress: " << this->Stress << '\n'
+     << indent << "StartFromDisplacement: " << this->StartFromDisplacement << '\n'
      << indent << "FractureToughness: " << this->FractureToughness << " J/m2\n"
      << indent << "Estimate: " << this->Estimate << '\n';
 }

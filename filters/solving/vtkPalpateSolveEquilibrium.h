@@ -107,6 +107,13 @@ public:
   vtkBooleanMacro(Stress, bool);
   ///@}
   ///@{
+  /// Whether the search begins at the point array `Displacement` of the body, if there is one, and
+  /// not where the tool starts.
+  vtkSetMacro(StartFromDisplacement, bool);
+  vtkGetMacro(StartFromDisplacement, bool);
+  vtkBooleanMacro(StartFromDisplacement, bool);
+  ///@}
+  ///@{
   /// The energy that it takes to open an area of the cut, J/m²; 0: the cut stays as it is.
   vtkSetMacro(FractureToughness, double);
   vtkGetMacro(FractureToughness, double);
@@ -138,7 +145,8 @@ private:
   void AddMeshError(const palpate::Scene& scene, const vtkPalpateToolRoute& route,
     const palpate::EquilibriumSolver& solver, const palpate::Equilibrium& state,
     vtkUnstructuredGrid* output);
-  void Solve(const palpate::Scene& scene, const vtkPalpateToolRoute& route,
+  /// @param route Its displacements near the end are those of the grid.
+  void Solve(const palpate::Scene& scene, vtkPalpateToolRoute& route,
     std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output);
   /// Solves while the cut of the body tears.
   /// @param makeRoute Makes the route of the same tool on the body at another stage.
@@ -156,6 +164,7 @@ private:
   bool EstimateMeshError = false;
   bool Stress = false;
   double FractureToughness = 0;
+  bool StartFromDisplacement = false;
   std::string Estimate;
   vtkPalpateSolveCost Cost;
 };

@@ -64,7 +64,17 @@ palpate::Equilibrium Solve(const palpate::Scene& scene, const vtkPalpateToolRout
     }
   }
   solver.set_interaction(*route.Tool);
-  palpate::Equilibrium state = SolveParts(solver, start, route.End, increments);
+  palpate::Equilibrium state;
+  if (route.Near.size() > 0)
+  {
+    state.t = route.End;
+    state.u = route.Near;
+    state = solver.settle(state);
+  }
+  if (state.outcome != palpate::Outcome::converged)
+  {
+    state = SolveParts(solver, start, route.End, increments);
+  }
   const double ofRest = solver.settled().energy;
   state.energy += ofRest;
   for (palpate::Fold& fold : state.summary.folds)

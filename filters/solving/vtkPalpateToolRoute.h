@@ -14,6 +14,9 @@ struct vtkPalpateToolRoute
   std::unique_ptr<palpate::Interaction> Tool;
   Eigen::VectorXd Start;
   Eigen::VectorXd End;
+  /// Displacements near the equilibrium at the end [3 × points], m; empty: none are known. If it is
+  /// not found from there, the tool comes from its start.
+  palpate::NodalVector Near;
   /// The same tool where it is a rigid one, else null, and what it is made of.
   const palpate::RigidContact* Contact = nullptr;
   palpate::RigidTool Rigid;

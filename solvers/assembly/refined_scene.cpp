@@ -1,41 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "assembly/refined_scene.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include "assembly/supports.h"
 
 namespace palpate {
 namespace {
 
-/// A direction counts as one that a point is held along if so much of its length lies within those
-/// of the point: the normals of neighbouring points of a round surface differ by less.
-constexpr double kSharedDirection = 0.9;
-
 bool is_within(const Refinement::Place& place, int corner) { return place.barycentric[corner] > 0; }
-
-/// What holds a point: the projection on the directions along which it cannot move.
-Mat3 held_space(const Body& body, Index point) {
-  if (body.fixed[point] != 0) return Mat3::Identity();
-  if (body.held_directions.empty()) return Mat3::Zero();
-  return body.held_directions[point] * body.held_directions[point].transpose();
-}
-
-/// The directions that all of these points are held along: columns, the rest is zero.
-Mat3 common_directions(const Body& body, const std::vector<Index>& points) {
-  Mat3 sum = Mat3::Zero();
-  for (const Index p : points) sum += held_space(body, p);
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(sum);
-  Mat3 common = Mat3::Zero();
-  int count = 0;
-  for (int i = 2; i >= 0; --i) {
-    const Vec3 axis = axes.eigenvectors().col(i);
-    const bool is_common = std::all_of(points.begin(), points.end(), [&](Index p) {
-      return (held_space(body, p) * axis).norm() >= kSharedDirection;
-    });
-    if (is_common) common.col(count++) = axis;
-  }
-  return common;
-}
 
 class Transfer {
  public:

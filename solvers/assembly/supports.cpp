@@ -21,6 +21,9 @@ namespace {
 constexpr double kOrthonormal = 1e-14;
 /// A second direction counts as the first if the sine of the angle between them is at most this.
 constexpr double kSameDirection = 1e-6;
+/// A direction counts as one that a point is held along if so much of its length lies within those
+/// of the point: the normals of neighbouring points of a round surface differ by less.
+constexpr double kSharedDirection = 0.9;
 /// A rigid motion whose resistance is below this share of the largest one is free. Resistances are
 /// squares of lengths, so held points must lie 1e-5 of the body's size off a line.
 constexpr double kFreeMotion = 1e-10;
@@ -235,6 +238,28 @@ std::vector<char> holding_points(const Body& body) {
     if (piece_of[p] >= 0 && has_supports[piece_of[p]] != 0) holds[p] = 1;
   }
   return holds;
+}
+
+Mat3 held_space(const Body& body, Index point) {
+  if (body.fixed[point] != 0) return Mat3::Identity();
+  if (body.held_directions.empty()) return Mat3::Zero();
+  return body.held_directions[point] * body.held_directions[point].transpose();
+}
+
+Mat3 common_directions(const Body& body, const std::vector<Index>& points) {
+  Mat3 sum = Mat3::Zero();
+  for (const Index p : points) sum += held_space(body, p);
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(sum);
+  Mat3 common = Mat3::Zero();
+  int count = 0;
+  for (int i = 2; i >= 0; --i) {
+    const Vec3 axis = axes.eigenvectors().col(i);
+    const bool is_common = std::all_of(points.begin(), points.end(), [&](Index p) {
+      return (held_space(body, p) * axis).norm() >= kSharedDirection;
+    });
+    if (is_common) common.col(count++) = axis;
+  }
+  return common;
 }
 
 void hold_along(const Vec3& direction, HeldDirections& held, char& fixed) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checks whether the supports of a body besides its fixed points, and the loads on its surface,
-// make sense.
+// The supports of a body besides its fixed points, and the loads on its surface: what they are at a
+// point, and whether they make sense.
 #pragma once
+
+#include <vector>
 
 #include "assembly/scene.h"
 
@@ -16,6 +18,12 @@ namespace palpate {
 /// @param direction A vector of any length but 0.
 /// @param fixed The entry of the point in Body::fixed.
 void hold_along(const Vec3& direction, HeldDirections& held, char& fixed);
+
+/// What holds a point: the projection on the directions along which it cannot move.
+[[nodiscard]] Mat3 held_space(const Body& body, Index point);
+
+/// The directions that all of these points are held along, almost: columns, the rest is zero.
+[[nodiscard]] Mat3 common_directions(const Body& body, const std::vector<Index>& points);
 
 /// The points that hold their pieces, for PieceSupport [num_points]: the fixed ones, and all points
 /// of pieces with other supports, which check() has found to be held.

@@ -116,7 +116,8 @@ class SheetCutter {
   void divide_at_sheet();
   void find_sheet_faces();
   void fit_fronts();
-  void improve();
+  /// Moves points around cells with an angle below this, degrees.
+  void improve(double good_angle);
   /// Whether a point of a wall would be too far off it at a place.
   [[nodiscard]] bool leaves_wall(Index point, const Vec3& place);
   SheetMesh finish();
@@ -592,7 +593,7 @@ double SheetCutter::longest_edge(Index point) const {
   return longest;
 }
 
-void SheetCutter::improve() {
+void SheetCutter::improve(double good_angle) {
   constexpr int kAxes[13][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1}, {1, 1, 0},  {1, -1, 0},
                                 {1, 0, 1},  {1, 0, -1}, {0, 1, 1}, {0, 1, -1}, {1, 1, 1},
                                 {1, 1, -1}, {1, -1, 1}, {-1, 1, 1}};
@@ -603,7 +604,7 @@ void SheetCutter::improve() {
     for (std::size_t c = 0; c < cells_.size(); ++c) {
       const auto& [a, b, d, e] = cells_[c];
       const double angle = least_angle(points_[a], points_[b], points_[d], points_[e]);
-      if (angle < kGoodAngle) bad.push_back({angle, static_cast<Index>(c)});
+      if (angle < good_angle) bad.push_back({angle, static_cast<Index>(c)});
     }
     std::sort(bad.begin(), bad.end());
     bool any = false;
@@ -703,7 +704,7 @@ SheetMesh SheetCutter::run() {
   divide_at_sheet();
   find_sheet_faces();
   fit_fronts();
-  improve();
+  improve(kGoodAngle);
   return finish();
 }
 
@@ -714,7 +715,7 @@ SheetMesh SheetCutter::divide_middle(const EdgeKey& edge) {
     on_front_[point] = 1;
     front_of_[point] = front_of_[a];
   }
-  improve();
+  improve(kMendWall * options_.least_angle);
   return finish();
 }
 
@@ -771,6 +772,12 @@ SheetMesh put_sheet(const TetMesh& mesh, const std::vector<Index>& regions, cons
     result = cutter.divide_middle(*fault->edge);
     fault = find_any_fault(result);
   }
+  if (result.areas.back() == 0) {
+    throw InputError(
+        "The sheet opens no face of the body: it ends before its first front. Move it "
+        "deeper into the body, or make its edges shorter.");
+  }
+  require_one_piece(mesh, result);
   // A point in a bad cell can be moved where its corners cannot.
   const double least = std::min(options.least_angle, least_dihedral_angle(mesh));
   for (int i = 0; i < kMostDivisions && !fault && result.least_angle < least; ++i) {
@@ -778,12 +785,6 @@ SheetMesh put_sheet(const TetMesh& mesh, const std::vector<Index>& regions, cons
     if (find_any_fault(divided)) break;
     result = std::move(divided);
   }
-  if (result.areas.back() == 0) {
-    throw InputError(
-        "The sheet opens no face of the body: it ends before its first front. Move it "
-        "deeper into the body, or make its edges shorter.");
-  }
-  require_one_piece(mesh, result);
   if (fault) {
     throw InputError("The sheet does not fit the mesh: " + fault->text +
                      ". Move the sheet a little, or make cells smaller near it.");

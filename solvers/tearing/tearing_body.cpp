@@ -8,6 +8,8 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "cutting/opened_scene.h"
+#include "soft_contact/soft_contact.h"
+#include "tearing/pressed_sides.h"
 
 namespace palpate {
 
@@ -57,6 +59,9 @@ void TearingBody::make_next() {
   Equilibrium near;
   near.t = here_->state.t;
   near.u = opened.carry(here_->state.u);
+  if (const auto contact = make_soft_contact(*next_->scene)) {
+    near.u = press_sides(*next_->scene, next_->solver.assembly(), *contact, std::move(near.u));
+  }
   next_->state = next_->solver.settle(near);
   if (next_->state.outcome == Outcome::converged) return;
   next_->state = next_->solver.rest(start_);

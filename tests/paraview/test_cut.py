@@ -2,9 +2,9 @@
 """Cuts in a body: Place Cut, and the stages that follow from it."""
 
 import numpy
-from paraview.simple import (AssignMaterial, Calculator, OutputPort, PassThrough, PlaceCut, Plane,
-                             PrecomputeStateSpace, SetBoundary, SolveEquilibrium, StateSpaceReader,
-                             TouchStateSpace)
+from paraview.simple import (AssignMaterial, Calculator, CutNow, OutputPort, PassThrough, PlaceCut,
+                             Plane, PrecomputeStateSpace, SetBoundary, SolveEquilibrium,
+                             StateSpaceReader, TouchStateSpace)
 from support import (box_body, cell_array, expect_error, expect_silence, fetch, field, node_at,
                      places, point_array, source)
 
@@ -228,6 +228,73 @@ def test_tears_in_a_solve():
     tip["ActiveNodes"] = [node_at(boundary, TIP)]
     expect_error(SolveEquilibrium(Input=boundary, FractureToughness=-1, **tip).UpdatePipeline,
                  "must be a number above 0")
+
+
+def held_block(name, **contact):
+    boundary = SetBoundary(Input=AssignMaterial(Input=body(name), Law="Neo-Hookean"),
+                           FixedRegion="Plane", **contact)
+    boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 1e-6], [0, 0, 1]
+    return boundary
+
+
+def test_cut_now():
+    """A body is cut while it is held, along a sheet that lies on it as it is deformed."""
+    boundary = held_block("now")
+    for way in ([0, 0, 0.006], [0, 0, -0.004]):
+        place = [LENGTHS[0] / 3, 0.03, LENGTHS[2]]
+        tip = {"ActiveNodes": [node_at(boundary, place)], "TipRadius": 0.012}
+        solved = SolveEquilibrium(Input=boundary, Displacement=way, **tip)
+        solved.UpdatePipeline()
+        cut = CutNow(Input=solved, Sheet=sheet())
+        expect_silence(cut.UpdatePipeline)
+        grid = fetch(cut)
+        assert field(grid, "Stage")[0] == 1
+        assert numpy.isclose(field(grid, "StageArea").ravel()[1], DEPTH * LENGTHS[1], rtol=0.05)
+        # The sheet is where it lies on the deformed body.
+        faces = fetch(PassThrough(Input=OutputPort(cut, 1)))
+        here, moved = places(grid), point_array(grid, "Displacement")
+        ids = [int(numpy.linalg.norm(here - at, axis=1).argmin()) for at in places(faces)]
+        off = here[ids, 2] + moved[ids, 2] - HEIGHT
+        assert abs(off).max() < 0.05 * abs(way[2]) < abs(moved[ids, 2]).max(), off
+        # Supports and tissue stay: the body can be solved for at once.
+        tip["ActiveNodes"] = [node_at(cut, place)]
+        forces = []
+        for begins_there in (0, 1):
+            after = SolveEquilibrium(Input=cut, Displacement=way, **tip,
+                                     StartFromDisplacement=begins_there)
+            after = fetch(after)
+            assert field(after, "Outcome")[0] == 0
+            forces.append(field(after, "ReactionForce")[0])
+            iterations = field(after, "Iterations")[0]
+        assert numpy.allclose(*forces, rtol=1e-6), forces
+        assert iterations < 40, iterations
+        before = field(fetch(solved), "ReactionForce")[0]
+        assert 0 < forces[1][2] / before[2] < 0.99, (forces, before)
+
+
+def test_cut_now_again():
+    """What is open stays open, and the sheet may be that of the body at rest."""
+    boundary = held_block("again")
+    first = CutNow(Input=boundary, Sheet=sheet(height=0.02))
+    second = CutNow(Input=first, Sheet=sheet(height=0.042), OnDeformedBody=0)
+    expect_silence(second.UpdatePipeline)
+    area = field(fetch(second), "StageArea").ravel()[1]
+    assert numpy.isclose(area, 2 * DEPTH * LENGTHS[1], rtol=0.01), area
+    expect_error(PlaceCut(Input=first, Sheet=sheet()).UpdatePipeline, "has a cut already",
+                 "Cut Now")
+    expect_error(CutNow(Input=boundary, Sheet=sheet(0.2)).UpdatePipeline, "severs the body")
+    expect_error(CutNow(Input=boundary, Sheet=sheet(), CutEdge=-1).UpdatePipeline, "CutEdge")
+    # A body without tissue and supports is cut too.
+    plain = fetch(CutNow(Input=body("plain"), Sheet=sheet()))
+    assert not plain.GetPointData().HasArray("Fixed") and field(plain, "Stage")[0] == 1
+
+
+def test_boundary_before_the_cut():
+    """A cut may be placed in a body that is held already: it stays held at the same places."""
+    boundary = held_block("held_before")
+    before = fetch(PlaceCut(Input=boundary, Sheet=sheet(), CutDirection=[1, 0, 0], Stage=2))
+    fixed = point_array(before, "Fixed")
+    assert (fixed == (places(before)[:, 2] < 1e-9)).all()
 
 
 def test_stages_that_cannot_be():
