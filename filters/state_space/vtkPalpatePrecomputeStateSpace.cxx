@@ -578,6 +578,11 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       }
       options.history = palpate::History::flat;
     }
+    else if (scene->body.cut.stage > 0 && options.history == palpate::History::automatic)
+    {
+      // Where the sides of the cut begin to touch, the force has a kink, which is no branch.
+      options.history = palpate::History::flat;
+    }
     if (this->Exploration == AROUND_THE_HAND)
     {
       this->LastOf.clear();

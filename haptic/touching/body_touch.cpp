@@ -56,7 +56,7 @@ std::unique_ptr<Touch> make_touch(std::shared_ptr<const Touchable> body, Relatio
   if (body->force_on_tool() != nullptr) {
     return std::make_unique<PressingTouch>(std::move(body), relation);
   }
-  return std::make_unique<BondedTouch>(std::move(body));
+  return std::make_unique<BondedTouch>(std::move(body), relation);
 }
 
 }  // namespace palpate

@@ -17,9 +17,10 @@ namespace palpate {
 enum class Relation {
   /// Another one: the tool touches it only after it was outside.
   other,
-  /// The same organ, which was changed in the hand, with another tissue for example: a rigid tool
-  /// that presses goes on pressing, and the force goes over from the one to the other within a
-  /// fifth of a second.
+  /// The same organ, which was changed in the hand, with another tissue or a cut for example: a
+  /// rigid tool that presses goes on pressing, and the force goes over from the one to the other
+  /// within a fifth of a second. A bonded tool goes on holding the active node at the same place,
+  /// and the limiter spreads the change of the force.
   changed
 };
 

@@ -3,6 +3,15 @@
 
 namespace palpate {
 
+bool BondedTouch::take_over(const Touch& before) noexcept {
+  if (BodyTouch::take_over(before)) return true;
+  const auto* bonded = dynamic_cast<const BondedTouch*>(&before);
+  if (relation_ == Relation::changed && bonded != nullptr) {
+    hold_.take_over_changed(body(), bonded->hold_);
+  }
+  return false;
+}
+
 Contact BondedTouch::touch(const HandState& hand, const TouchSettings& settings) noexcept {
   if (hold_.holds()) {
     const Contact contact =

@@ -14,6 +14,11 @@ namespace {
 constexpr int kMostSteps = 12;
 constexpr double kAnswered = 1e-6;
 
+/// A node of a changed body is the one before if it is within this share of the tip's radius, or
+/// this distance, m.
+constexpr double kSameTip = 0.25;
+constexpr double kSamePlace = 1e-6;
+
 /// The whole cut tears in so many ticks at the least.
 constexpr double kTicksOfTear = 50;
 
@@ -34,6 +39,23 @@ void Hold::take_over(const Touchable* body, bool is_same_scene) noexcept {
       // The new body may number its branches differently.
       held.branch = body->nodes()[held.node].branches.move(0, Vec3::Zero(), displacement_);
     }
+  }
+}
+
+void Hold::take_over_changed(const Touchable& body, const Hold& before) noexcept {
+  *this = before;
+  body_ = &body;
+  torn_area_ = torn_work_ = hand_work_ = 0;
+  for (int i = 0; i < num_held_; ++i) {
+    const Touchable::Node& was = before.body_->nodes()[held_[i].node];
+    const std::int32_t now =
+        body.nearest(was.rest_position, std::max(kSameTip * was.tip_radius, kSamePlace));
+    if (now < 0) {
+      let_go();
+      return;
+    }
+    held_[i] = held_node(now, held_[i].weight);
+    held_[i].branch = body.nodes()[now].branches.move(0, Vec3::Zero(), displacement_);
   }
 }
 

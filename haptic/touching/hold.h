@@ -31,6 +31,10 @@ class Hold {
   /// Goes on with another body; nullptr: with none.
   void take_over(const Touchable* body, bool is_same_scene) noexcept;
 
+  /// Goes on with the same organ, which was changed in the hand: where it has an active node at the
+  /// place of each that was held, the tool goes on holding it, at the same displacement.
+  void take_over_changed(const Touchable& body, const Hold& before) noexcept;
+
   /// Takes hold where the tool comes in.
   /// @param reach The largest distance of the nearest active node, m.
   /// @param blended The tool holds the three nodes of the triangle, where all of them are active.

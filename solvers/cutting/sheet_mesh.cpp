@@ -46,9 +46,11 @@ constexpr double kMargin = 1;
 constexpr double kBesideSheet = 0.05;
 /// The place at which an edge crosses a curved sheet is found by so many secants.
 constexpr int kSecants = 4;
-/// A cell with an angle below this is improved, degrees, in so many sweeps.
+/// A cell with an angle below this is improved, degrees, in so many sweeps, and one that would be
+/// refused in some more.
 constexpr double kGoodAngle = 6;
-constexpr int kSweeps = 20;
+constexpr int kSweeps = 8;
+constexpr int kFurtherSweeps = 12;
 /// The most edges that are divided to mend the mesh.
 constexpr int kMostRepairs = 50;
 /// The most edges of bad cells that are divided.
@@ -597,7 +599,8 @@ void SheetCutter::improve(double good_angle) {
   constexpr int kAxes[13][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1}, {1, 1, 0},  {1, -1, 0},
                                 {1, 0, 1},  {1, 0, -1}, {0, 1, 1}, {0, 1, -1}, {1, 1, 1},
                                 {1, 1, -1}, {1, -1, 1}, {-1, 1, 1}};
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kSweeps + kFurtherSweeps; ++sweep) {
+    if (sweep >= kSweeps) good_angle = std::min(good_angle, kMendWall * options_.least_angle);
     // Other directions in each sweep.
     const Eigen::AngleAxisd turn(sweep, Vec3(1, 2, 3).normalized());
     std::vector<std::pair<double, Index>> bad;

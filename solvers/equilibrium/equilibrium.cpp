@@ -139,6 +139,7 @@ class EquilibriumSolver::Impl {
     mobile_part_.reset();
   }
   const Equilibrium& settled() const { return settled_; }
+  const EquilibriumOptions& options() const { return options_; }
   Equilibrium rest(const Eigen::VectorXd& t);
   Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start, Tangent tangent);
   Equilibrium settle(const Equilibrium& near);
@@ -683,6 +684,8 @@ EquilibriumSolver::EquilibriumSolver(EquilibriumSolver&&) noexcept = default;
 EquilibriumSolver& EquilibriumSolver::operator=(EquilibriumSolver&&) noexcept = default;
 
 const Assembly& EquilibriumSolver::assembly() const { return impl_->system().assembly(); }
+const EquilibriumOptions& EquilibriumSolver::options() const { return impl_->options(); }
+
 const Work& EquilibriumSolver::work() const { return impl_->system().work(); }
 void EquilibriumSolver::set_interaction(const Interaction& interaction) {
   impl_->set_interaction(interaction);

@@ -71,6 +71,7 @@ class EquilibriumSolver {
   EquilibriumSolver& operator=(EquilibriumSolver&&) noexcept;
 
   [[nodiscard]] const Assembly& assembly() const;
+  [[nodiscard]] const EquilibriumOptions& options() const;
   [[nodiscard]] const Work& work() const;
 
   /// Chooses the tool for the solves that follow. All tools share the symbolic analysis. They share

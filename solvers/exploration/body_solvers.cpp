@@ -14,7 +14,7 @@ BodySolvers::Solver& BodySolvers::solver_of(BodyId number) {
   }
   // The memory of the one that goes is free for the one that comes.
   if (kept_.size() == most_kept_) {
-    earlier_ += kept_.back().equilibria->work();
+    earlier_ += work_of(kept_.back());
     kept_.pop_back();
   }
   kept_.push_front({number, make_(body(number)), nullptr});
@@ -46,9 +46,15 @@ void BodySolvers::forget(const ToolSpaceSetup& setup, const Equilibrium& state) 
   if (is_kept) states(setup.body).forget(setup, state);
 }
 
+Work BodySolvers::work_of(const Solver& solver) {
+  Work all = solver.equilibria->work();
+  if (solver.states != nullptr) all += solver.states->closed_work();
+  return all;
+}
+
 Work BodySolvers::work() const {
   Work all = earlier_;
-  for (const Solver& solver : kept_) all += solver.equilibria->work();
+  for (const Solver& solver : kept_) all += work_of(solver);
   return all;
 }
 

@@ -64,6 +64,7 @@ class BodySolvers final : public StateSolver {
 
   [[nodiscard]] const SpaceBody& body(BodyId number) const { return find_body(bodies_, number); }
   [[nodiscard]] Solver& solver_of(BodyId number);
+  [[nodiscard]] static Work work_of(const Solver& solver);
   [[nodiscard]] InteractionSolver& states(BodyId number);
 
   const std::vector<SpaceBody>& bodies_;

@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "equilibrium/tangent_solver.h"
+
 namespace palpate {
 namespace {
 
@@ -25,6 +27,28 @@ bool is_same(const Equilibrium& a, const Equilibrium& b) {
 }
 
 }  // namespace
+
+InteractionSolver::Closed::Closed(const Scene& scene, const EquilibriumOptions& options)
+    : start(scene, options, choose_tangent_solver(scene, 1)), tools(start.closed().body, {}) {}
+
+Equilibrium InteractionSolver::solve_from_rest(const ToolSpaceSetup& setup,
+                                               const Eigen::VectorXd& t, const Equilibrium& rest,
+                                               Tangent tangent) {
+  if (!ClosedStart::helps(*body_.scene) || rest.t == t) return solver_.solve(t, rest, tangent);
+  if (closed_ == nullptr) {
+    closed_ = std::make_unique<Closed>(*body_.scene, solver_.options());
+  }
+  if (!(closed_->taken == setup.key()) || closed_->from != rest.t) {
+    InteractionSpec spec = setup.interaction;
+    if (!spec.presses()) spec.active_node = closed_->start.closed_of(spec.active_node);
+    closed_->tool = closed_->tools.make(spec);
+    closed_->start.set_interaction(*closed_->tool, rest.t);
+    closed_->taken = setup.key();
+    closed_->from = rest.t;
+  }
+  std::optional<Equilibrium> found = closed_->start.solve(solver_, t);
+  return found ? std::move(*found) : solver_.solve(t, rest, tangent);
+}
 
 const InnerExtension& InteractionSolver::extension(Keep kept) {
   const auto found = extensions_.find(kept);

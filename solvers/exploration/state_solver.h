@@ -15,6 +15,7 @@
 #include "fields/reduced_fields.h"
 #include "interaction/interaction_spec.h"
 #include "state_space/space_body.h"
+#include "tearing/closed_start.h"
 
 namespace palpate {
 
@@ -72,13 +73,17 @@ class InteractionSolver final : public StateSolver {
         clearance_ == nullptr ? t : Eigen::VectorXd(clearance_->start_for(t));
     Equilibrium rest = solver_.rest(start);
     if (rest.outcome != Outcome::converged) throw InputError(rest.summary.message);
-    return start == t ? rest : solver_.solve(t, rest, tangent);
+    return start == t ? rest : solve_from_rest(setup, t, rest, tangent);
   }
   [[nodiscard]] Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                   const Equilibrium& start, Tangent tangent) override {
     take(setup);
-    return solver_.solve(t, has_fields(start) ? start : solver_.rest(start.t), tangent);
+    if (!has_fields(start)) return solve_from_rest(setup, t, solver_.rest(start.t), tangent);
+    return start.t.isZero(0) && clearance_ == nullptr ? solve_from_rest(setup, t, start, tangent)
+                                                      : solver_.solve(t, start, tangent);
   }
+  /// What was done for the bodies whose cut is closed, see ClosedStart.
+  [[nodiscard]] Work closed_work() const { return closed_ ? closed_->start.work() : Work(); }
   [[nodiscard]] Equilibrium restore(const ToolSpaceSetup& setup, const Equilibrium& near,
                                     Keep kept) override;
   [[nodiscard]] MeshError mesh_error(const ToolSpaceSetup& setup,
@@ -98,6 +103,21 @@ class InteractionSolver final : public StateSolver {
 
  private:
   [[nodiscard]] static bool has_fields(const Equilibrium& state) { return state.u.size() > 0; }
+  /// Solves from a start where the tool does nothing to the body. A body with an open cut is solved
+  /// by way of the closed one first.
+  [[nodiscard]] Equilibrium solve_from_rest(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
+                                            const Equilibrium& rest, Tangent tangent);
+
+  /// The same body with its cut closed, if it has one.
+  struct Closed {
+    explicit Closed(const Scene& scene, const EquilibriumOptions& options);
+    ClosedStart start;
+    InteractionFactory tools;
+    /// The tool space whose tool it has, and where that starts.
+    std::optional<ToolSpaceKey> taken;
+    Eigen::VectorXd from;
+    std::unique_ptr<Interaction> tool;
+  };
 
   const SpaceBody& body_;
   EquilibriumSolver& solver_;
@@ -115,6 +135,7 @@ class InteractionSolver final : public StateSolver {
   std::map<Keep, InnerExtension> extensions_;
   std::optional<MeshErrorEstimator> mesh_errors_;
   std::optional<double> mesh_error_at_rest_;
+  std::unique_ptr<Closed> closed_;
 };
 
 }  // namespace palpate

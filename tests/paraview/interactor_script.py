@@ -15,7 +15,7 @@ from paraview.simple import *
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
 from dock_support import (click_start, click_stop, measure_frames, number, run_in_turn, runs, said,
                           touch_filter, touches, wait_for)
-from test_cut import space_of_stages, two_stages
+from test_cut import DEPTH, HEIGHT, LENGTHS, held_block, space_of_stages, two_stages
 from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, action, apply,
                 application, canvas, choose, click, dialogs, dock, drag, in_dialog, is_shown, menu,
                 open_file, part, pixel_of, pixel_of_node, press_escape, property_widget, send,
@@ -298,6 +298,94 @@ def tears():
     print("torn", torn, *figures)
 
 
+def cut_in_view(boundary, make_space):
+    """A block that is touched by mouse is cut along a plane that nobody has foreseen."""
+    space = make_space(boundary)
+    plane = Plane(Origin=[-0.02, -0.02, HEIGHT], Point1=[DEPTH, -0.02, HEIGHT],
+                  Point2=[-0.02, 0.08, HEIGHT])
+    plane.UpdatePipeline()
+    view = GetActiveViewOrCreate("RenderView")
+    Show(space, view)
+    view.CameraPosition, view.CameraFocalPoint = [-0.3, -0.1, 0.25], [0.05, 0.03, 0.03]
+    view.CameraViewUp = [0, 0, 1]
+    view.ResetCamera()
+    Render()
+    wait(0.3)
+    assert part("sheet").count() > 0
+    part("sheet").setCurrentIndex(part("sheet").count() - 1)
+    return space, view
+
+
+def has_cut(space):
+    return servermanager.Fetch(space.Input).GetFieldData().HasArray("StageArea")
+
+
+def cuts():
+    """A body that the mouse holds up is cut: it is held on, and pulls less."""
+    boundary = held_block("uncut", quadratic=False)
+    space, view = cut_in_view(boundary, lambda body: space_of_stages(body, FileName="cuts.palpate"))
+    click_start("Mouse")
+    wait(0.5)
+    end = drag(pixel_of_node(view, touch_filter()), QtCore.QPoint(0, -4), 6)
+    wait_for(lambda: touches() and number("force") > 0.05, "the mouse pulls")
+    wait(0.5)
+    before, node = number("force"), list(space.ActiveNodes)[0]
+    begun = time.monotonic()
+    QTest.mouseClick(part("cutNow"), Button.LeftButton)
+    print("cut", time.monotonic() - begun)
+    assert runs() and "is cut" in part("message").text(), part("message").text()
+    assert has_cut(space) and re.fullmatch(r"cuts_cut_[\d_-]+\.palpate", space.FileName)
+    wait_for(lambda: touches() and number("force") < 0.97 * before, "the force has fallen")
+    wait(0.5)
+    print("forces", before, number("force"), node, list(space.ActiveNodes)[0])
+    # What is felt is what a solve of the cut body says.
+    solved = SolveEquilibrium(Input=space.Input, ActiveNodes=space.ActiveNodes, TipRadius=0.012,
+                              Displacement=list(touch_filter().Displacement))
+    right = servermanager.Fetch(solved).GetFieldData().GetArray("ReactionForce").GetTuple3(0)
+    size = sum(x * x for x in right) ** 0.5
+    assert abs(number("force") - size) < 0.1 * size, (number("force"), right)
+    Delete(solved)
+    SaveScreenshot("cut.png", view, ImageResolution=[600, 450])
+    let_go(end)
+    click_stop()
+
+
+def presses():
+    return part("state").text().endswith(", pressing")
+
+
+def cuts_pressed():
+    """A body that a ball presses while its space follows the hand is cut: the press goes on."""
+    boundary = held_block("uncut_too", quadratic=False)
+
+    def around_the_hand(body):
+        return PrecomputeStateSpace(Input=body, Tool="Sphere", ActiveNodes=[],
+                                    Exploration="Around The Hand", LogInterval=0,
+                                    FileName="pressed.palpate")
+
+    space, view = cut_in_view(boundary, around_the_hand)
+    click_start("Mouse")
+    wait(0.5)
+    middle = pixel_of(view, [0.03, 0.03, LENGTHS[2]])
+    send(Event.MouseMove, middle)
+    send(Event.MouseButtonPress, middle)
+    end = drag(middle, QtCore.QPoint(0, 3), 6)
+    wait_for(lambda: presses() and number("force") > 0.01, "the ball presses")
+    wait(1)
+    before = number("force")
+    begun = time.monotonic()
+    QTest.mouseClick(part("cutNow"), Button.LeftButton)
+    print("cut", time.monotonic() - begun)
+    assert runs() and has_cut(space), part("message").text()
+    wait_for(lambda: presses() and number("force") != before and touch_filter() is not None,
+             "the cut body is felt")
+    wait(1)
+    print("since", time.monotonic() - begun, "forces", before, number("force"))
+    SaveScreenshot("cut_pressed.png", view, ImageResolution=[600, 450])
+    let_go(end)
+    click_stop()
+
+
 def pick_nodes():
     """Clicks the point 107 of the liver, another one and that again, and drags: none by that."""
     view = GetActiveView()
@@ -554,5 +642,6 @@ def goes_on(leave):
 # In the loop of events, as what a person does.
 QtCore.QTimer.singleShot(300, lambda: run_in_turn(
     {"touching": touching, "dots": dots, "escape": escape, "busy": busy, "mouse": mouse,
-     "tears": tears, "road": road, "ends": ends, "remote": remote, "lost": lost,
+     "tears": tears, "cuts": cuts, "cuts_pressed": cuts_pressed, "road": road, "ends": ends,
+     "remote": remote, "lost": lost,
      "quit": lambda: goes_on(application.quit), "close": lambda: goes_on(window.close)}))

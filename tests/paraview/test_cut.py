@@ -230,9 +230,9 @@ def test_tears_in_a_solve():
                  "must be a number above 0")
 
 
-def held_block(name, **contact):
-    boundary = SetBoundary(Input=AssignMaterial(Input=body(name), Law="Neo-Hookean"),
-                           FixedRegion="Plane", **contact)
+def held_block(name, quadratic=True):
+    boundary = SetBoundary(Input=AssignMaterial(Input=body(name, quadratic), Law="Neo-Hookean"),
+                           FixedRegion="Plane")
     boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 1e-6], [0, 0, 1]
     return boundary
 

@@ -106,6 +106,8 @@ def main():
     torn = run("tears", folder)["torn"]
     assert 0 < torn[0] <= 24 and torn[3] > 0.01, torn
     assert share_different("torn.png", "let_go.png") > 0.01
+    cut = run("cuts,cuts_pressed", folder)
+    assert 0.02 < cut["forces"][1] < 0.97 * cut["forces"][0], cut
     assert 0.1 < alone["force"][0] < 10, alone
     # Whether the view follows and no tick is lost tells only a machine on which the threads hardly
     # wait for a processor. On any other a frame still takes no more of the thread that draws it

@@ -34,6 +34,7 @@
 #include "pqPipelineSource.h"
 #include "pqRenderView.h"
 #include "pqServerManagerModel.h"
+#include "vtkPVDataInformation.h"
 #include "vtkSMSourceProxy.h"
 
 namespace
@@ -94,6 +95,7 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   QObject::connect(
     this->GraphGroup, &QGroupBox::toggled, this, &pqPalpateInteractorDock::showGraph);
   this->Settings = new pqPalpateSettingsPanel(addFold("Settings", "settings"), this);
+  this->makeCut(addFold("Cut", "cut"));
   this->Recording = new pqPalpateRecordingPanel(addFold("Recording", "recording"), this);
   this->Figures->addPace(addFold("Pace of the loop", "pace"));
   column->addStretch();
@@ -178,6 +180,64 @@ void pqPalpateInteractorDock::makeChoices(QFormLayout* form)
     this->Devices, &pqPalpateDevicesPanel::refreshed, this, &pqPalpateInteractorDock::listDevices);
 }
 
+void pqPalpateInteractorDock::makeCut(QFormLayout* form)
+{
+  this->Sheet = pqPalpateNamed(new QComboBox(), "sheet",
+    "Surfaces of the pipeline, such as the source Plane. The sheet begins outside the body, as "
+    "that "
+    "is seen now, and ends inside it.");
+  pqPalpateKeepNarrow(this->Sheet);
+  form->addRow("Sheet", this->Sheet);
+  this->Cut = pqPalpateNamed(new QPushButton("Cut Now"), "cutNow",
+    "Cuts the body along the sheet, as it is held or pressed now, and has its space computed anew. "
+    "Until that is done, the body is felt as it was. Ctrl+Z takes the filters away again.");
+  form->addRow(this->Cut);
+  QObject::connect(
+    this->Cut, &QPushButton::clicked, this, [this] { this->guard([this] { this->cutNow(); }); });
+}
+
+void pqPalpateInteractorDock::listSheets()
+{
+  const QString chosen = this->Sheet->currentData().toString();
+  this->Sheet->clear();
+  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
+  for (pqPipelineSource* source : model->findItems<pqPipelineSource*>())
+  {
+    // What shows the touched body is no sheet.
+    const bool isTouched = source->getProxy()->GetXMLName() == std::string("TouchStateSpace");
+    for (pqOutputPort* port : source->getOutputPorts())
+    {
+      if (!isTouched && port->getDataInformation()->DataSetTypeIsA("vtkPolyData"))
+      {
+        this->Sheet->addItem(source->getSMName(), IdOf(port));
+      }
+    }
+  }
+  const int index = this->Sheet->findData(chosen);
+  this->Sheet->setCurrentIndex(index >= 0 ? index : this->Sheet->count() - 1);
+}
+
+void pqPalpateInteractorDock::cutNow()
+{
+  pqOutputPort* space = this->chosenSpace();
+  if (!space || pqPalpateGivesReducedModel(space))
+  {
+    this->say("There is no state space whose body could be cut: choose one above.", true);
+    return;
+  }
+  pqOutputPort* sheet = chosenIn(this->Sheet);
+  if (!sheet)
+  {
+    this->say("There is no sheet to cut along. Make one with the source Plane, for instance, which "
+              "begins outside the body and ends inside it, and press Apply.",
+      true);
+    return;
+  }
+  this->say("The body is being cut. It is felt as it was until the new space is there.", false);
+  pqPalpateCutNow(space, sheet, this->Touch.heldTool());
+  this->say("The body is cut.", false);
+}
+
 void pqPalpateInteractorDock::listTools()
 {
   pqOutputPort* space = this->chosenSpace();
@@ -260,6 +320,7 @@ void pqPalpateInteractorDock::listSpaces()
   }
   const int index = this->Space->findData(chosen);
   this->Space->setCurrentIndex(index >= 0 ? index : this->Space->count() - 1);
+  this->listSheets();
   // The lists' signals are blocked here, so these are called directly.
   this->listTools();
   this->enableSettings();
@@ -268,7 +329,12 @@ void pqPalpateInteractorDock::listSpaces()
 
 pqOutputPort* pqPalpateInteractorDock::chosenSpace() const
 {
-  const QString chosen = this->Space->currentData().toString();
+  return chosenIn(this->Space);
+}
+
+pqOutputPort* pqPalpateInteractorDock::chosenIn(const QComboBox* list)
+{
+  const QString chosen = list->currentData().toString();
   pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
   for (pqPipelineSource* source : model->findItems<pqPipelineSource*>())
   {

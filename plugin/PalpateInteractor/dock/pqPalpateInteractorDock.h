@@ -36,6 +36,7 @@ protected:
 
 private:
   void makeChoices(QFormLayout* form);
+  void makeCut(QFormLayout* form);
   /// Makes the actions in a toolbar of ParaView's window, with their keys.
   void makeActions();
 
@@ -58,7 +59,13 @@ private:
   /// nobody else pays for its OpenGL window.
   void showGraph(bool shown);
   void sendSettings();
+  /// Shows the surfaces of the pipeline that may be the sheet of a cut.
+  void listSheets();
+  /// Cuts the body of the chosen space along the chosen sheet, also while it is touched.
+  void cutNow();
   pqOutputPort* chosenSpace() const;
+  /// The port that was chosen in a list; null: it is gone.
+  static pqOutputPort* chosenIn(const QComboBox* list);
   /// Calls `body()`, and shows the exception that it throws.
   void guard(const std::function<void()>& body);
   /// Shows a message: a fault in red, any other in black.
@@ -79,6 +86,8 @@ private:
   pqPalpateFiguresPanel* Figures = nullptr;
   pqPalpateSettingsPanel* Settings = nullptr;
   pqPalpateRecordingPanel* Recording = nullptr;
+  QComboBox* Sheet = nullptr;
+  QPushButton* Cut = nullptr;
   QGroupBox* GraphGroup = nullptr;
   pqPalpateForceGraph* Graph = nullptr;
 };

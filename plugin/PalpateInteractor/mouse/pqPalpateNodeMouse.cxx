@@ -34,9 +34,9 @@ void pqPalpateNodeMouse::GoOnFrom(const pqPalpateMouse& mouse)
 {
   const auto* other = dynamic_cast<const pqPalpateNodeMouse*>(&mouse);
   const auto& nodes = this->Body->nodes();
-  const auto areSame = [](const auto& a, const auto& b) {
-    return a.mesh_point == b.mesh_point && a.body == b.body && a.rest_position == b.rest_position;
-  };
+  // Where the body was cut, its points have other numbers.
+  const auto areSame = [](const auto& a, const auto& b)
+  { return a.body == b.body && a.rest_position == b.rest_position; };
   if (!other || this->HalfWidths != other->HalfWidths ||
     !std::equal(nodes.begin(), nodes.end(), other->Body->nodes().begin(),
       other->Body->nodes().end(), areSame))

@@ -437,7 +437,7 @@ void pqPalpateTouch::takeNewData()
         return;
       }
       this->takeSpace(copy);
-      session.Hand.Servo->set_touch(palpate::make_touch(session.Body));
+      session.Hand.Servo->set_touch(palpate::make_touch(session.Body, palpate::Relation::changed));
       if (session.Node >= 0 && session.Body->find(session.Node, session.OnBody) < 0)
       {
         session.Node = -1;
@@ -582,6 +582,22 @@ void pqPalpateTouch::show()
   session.Touches = touches;
   session.Tool->Show(tick, showsFree, session.Depth(contact));
   session.BodyView->Draw();
+}
+
+pqPalpateHeldTool pqPalpateTouch::heldTool() const
+{
+  pqPalpateHeldTool held;
+  if (!this->Running)
+  {
+    return held;
+  }
+  const palpate::Contact contact = this->session()->Hand.Servo->latest().contact;
+  held.Touches = palpate::touches(contact.status);
+  const bool presses = contact.status == palpate::ContactStatus::pressing;
+  held.Node = held.Touches && !presses ? contact.nodes[0] : -1;
+  const Vec3& place = presses ? contact.anchor : contact.displacement;
+  held.Place = { place[0], place[1], place[2] };
+  return held;
 }
 
 pqPalpateTouch::Figures pqPalpateTouch::figures()

@@ -9,6 +9,7 @@
 #include <QString>
 #include <memory>
 
+#include "pqPalpateCutNow.h"
 #include "pqPalpateRun.h"
 
 namespace palpate
@@ -65,6 +66,8 @@ public:
   QString start(
     pqOutputPort* space, pqRenderView* view, const QString& device, const QString& recording);
   Figures figures();
+  /// What the tool does to the body at present.
+  pqPalpateHeldTool heldTool() const;
 
 protected:
   void tellLives() override;

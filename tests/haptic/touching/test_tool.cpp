@@ -2,13 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <random>
+#include <vector>
 
 #include "base/error.h"
 #include "haptic/support/analytic_body.h"
 #include "haptic/support/moved_tool.h"
+#include "haptic/touching/body_touch.h"
 
 namespace palpate::test::test_tool {
 namespace {
@@ -225,6 +229,58 @@ TEST(Tool, AnotherBodyOfTheSameSceneIsTakenOver) {
 
 // A tool that slides up the side of a hollow lets go of where it came in, and goes on at the next
 // node.
+// A cut changes the mesh: the node has another number there, and the body another stiffness.
+TEST(Tool, AChangedBodyIsHeldAtTheSamePlace) {
+  const Vec3 offset(0.001, -0.002, 0.004);
+  TouchSettings settings;
+  settings.bonded = true;
+  settings.release_force = 0;
+  settings.blended = false;
+  const auto held = make_touch(test::box_body(kStiffness));
+  const auto move = [&](Touch& touch, const Vec3& to) {
+    HandState hand;
+    hand.place = to;
+    return touch.move(hand, settings);
+  };
+  (void)move(*held, kMiddle + Vec3(0, 0, 0.001));
+  (void)move(*held, kMiddle - Vec3(0, 0, 1e-6));
+  const Contact before = move(*held, kMiddle + offset);
+  ASSERT_EQ(before.status, ContactStatus::attached);
+
+  TouchSpace space = test::box_space([](int) { return test::stiffening_spring(0.5 * kStiffness); });
+  space.scene_hash = "cut";
+  for (TouchToolSpace& tool_space : space.tool_spaces) {
+    // As if points had been added before the surface's.
+    tool_space.setup.interaction.active_node += 1000;
+  }
+  space.surface.mesh_points.clear();
+  for (Index p = 0; p < space.surface.num_points(); ++p) {
+    space.surface.mesh_points.push_back(1000 + p);
+  }
+  const auto cut = std::make_shared<const Touchable>(space);
+  const auto changed = make_touch(cut, Relation::changed);
+  EXPECT_FALSE(changed->take_over(*held)) << "its energy is another one";
+  const Contact after = move(*changed, kMiddle + offset);
+  ASSERT_EQ(after.status, ContactStatus::attached);
+  EXPECT_EQ(after.nodes[0], before.nodes[0] + 1000);
+  EXPECT_LT((after.displacement - before.displacement).norm(), 1e-15);
+  EXPECT_LT((after.force - 0.5 * before.force).norm(), 1e-3 * before.force.norm());
+
+  // Another body is touched only after the tool was outside, and so is one without that node.
+  const auto other = make_touch(cut);
+  EXPECT_FALSE(other->take_over(*held));
+  EXPECT_NE(move(*other, kMiddle + offset).status, ContactStatus::attached);
+  std::vector<TouchToolSpace>& left = space.tool_spaces;
+  left.erase(std::remove_if(left.begin(), left.end(),
+                            [&](const TouchToolSpace& tool_space) {
+                              return tool_space.setup.interaction.active_node == after.nodes[0];
+                            }),
+             left.end());
+  const auto without = make_touch(std::make_shared<const Touchable>(space), Relation::changed);
+  (void)without->take_over(*held);
+  EXPECT_NE(move(*without, kMiddle + offset).status, ContactStatus::attached);
+}
+
 TEST(Tool, ChangesTheNodeInAHollow) {
   TouchSpace space = test::box_space([](int) { return test::stiffening_spring(kStiffness); });
   const Index middle = space.tool_spaces[4].setup.interaction.active_node;
