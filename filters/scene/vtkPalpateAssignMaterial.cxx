@@ -224,6 +224,15 @@ palpate::Material MaterialOfName(
   return MaterialOfLaw(static_cast<Law>(law - laws.begin()), parameters);
 }
 
+/// That of the tissue of a name, J/m²; 0: it is not known, or the name is that of a law.
+double ToughnessOf(const std::string& name)
+{
+  const auto& all = palpate::tissues();
+  const auto tissue = std::find_if(
+    all.begin(), all.end(), [&](const palpate::Tissue& each) { return each.name == name; });
+  return tissue != all.end() ? tissue->toughness : 0;
+}
+
 /// Value of the property Formulation: the one that suits the parameters.
 constexpr int AutomaticFormulation = -1;
 
@@ -280,6 +289,8 @@ struct vtkPalpateAssignMaterial::Assignment
   /// The rheology; empty: the cells keep theirs.
   std::optional<palpate::Rheology> Rheology;
   std::vector<char> Cells;
+  /// J/m²; 0: it is not known.
+  double Toughness = 0;
 };
 
 vtkPalpateAssignMaterial::vtkPalpateAssignMaterial()
@@ -384,6 +395,7 @@ int vtkPalpateAssignMaterial::RequestData(
         {
           vtkPalpateAssignRheology(*each.Rheology, each.Cells, output);
         }
+        vtkPalpateAssignToughness(each.Toughness, each.Cells, output);
       }
       if (!cells.LeftOut.empty())
       {
@@ -432,8 +444,10 @@ std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assi
 {
   if (this->RegionType != Table)
   {
+    const int tissue = this->Law - FirstTissue;
     return { { this->InItsFormulation(this->MakeMaterial()), this->MakeRheology(),
-      this->ChooseCells(body, surface) } };
+      this->ChooseCells(body, surface),
+      tissue >= 0 ? palpate::tissues()[static_cast<std::size_t>(tissue)].toughness : 0 } };
   }
   if (this->Regions.empty())
   {
@@ -461,7 +475,7 @@ std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assi
       std::map<std::string, double> numbers = NumbersByName(parameters);
       const std::optional<palpate::Rheology> own = TakeRheology(numbers);
       all.push_back({ this->InItsFormulation(MaterialOfName(law, numbers)), own ? own : rheology,
-        vtkPalpateCellsOfValue(body, this->RegionArray, number) });
+        vtkPalpateCellsOfValue(body, this->RegionArray, number), ToughnessOf(law) });
     }
     catch (const InputError& error)
     {

@@ -129,6 +129,30 @@ void Replace(vtkUnstructuredGrid* body, const std::string& name, const vtkPalpat
   }
   body->GetCellData()->AddArray(array);
 }
+
+/// Gives the cells that are `wanted` a value of an array; the others keep theirs. An array that is
+/// 0 throughout afterwards is removed.
+void AssignValue(
+  const std::string& name, double value, const std::vector<char>& wanted, vtkUnstructuredGrid* body)
+{
+  vtkDataArray* before = vtkPalpateScalarArray(body->GetCellData(), name.c_str());
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(name.c_str());
+  array->SetNumberOfValues(static_cast<vtkIdType>(wanted.size()));
+  bool isThere = false;
+  for (std::size_t cell = 0; cell < wanted.size(); ++cell)
+  {
+    const auto id = static_cast<vtkIdType>(cell);
+    const double kept = before ? before->GetComponent(id, 0) : 0;
+    array->SetValue(id, wanted[cell] != 0 ? value : kept);
+    isThere = isThere || array->GetValue(id) != 0;
+  }
+  body->GetCellData()->RemoveArray(name.c_str());
+  if (isThere)
+  {
+    body->GetCellData()->AddArray(array);
+  }
+}
 }
 
 vtkPalpateMaterials vtkPalpateReadMaterials(
@@ -205,26 +229,14 @@ void vtkPalpateAssignRheology(
   const palpate::RheologyValues values = palpate::values_of(rheology);
   for (int i = 0; i < palpate::num_rheology_values; ++i)
   {
-    const std::string& name = palpate::rheology_names()[i];
-    vtkDataArray* before = vtkPalpateScalarArray(body->GetCellData(), name.c_str());
-    vtkNew<vtkDoubleArray> array;
-    array->SetName(name.c_str());
-    array->SetNumberOfValues(static_cast<vtkIdType>(wanted.size()));
-    bool isThere = false;
-    for (std::size_t cell = 0; cell < wanted.size(); ++cell)
-    {
-      const auto id = static_cast<vtkIdType>(cell);
-      const double kept = before ? before->GetComponent(id, 0) : 0;
-      const double value = wanted[cell] != 0 ? values[i] : kept;
-      array->SetValue(id, value);
-      isThere = isThere || value != 0;
-    }
-    body->GetCellData()->RemoveArray(name.c_str());
-    if (isThere)
-    {
-      body->GetCellData()->AddArray(array);
-    }
+    AssignValue(palpate::rheology_names()[i], values[i], wanted, body);
   }
+}
+
+void vtkPalpateAssignToughness(
+  double toughness, const std::vector<char>& wanted, vtkUnstructuredGrid* body)
+{
+  AssignValue(vtkPalpateArray::FractureToughness, toughness, wanted, body);
 }
 
 void vtkPalpateWriteRheologies(const std::vector<palpate::Rheology>& rheologies,

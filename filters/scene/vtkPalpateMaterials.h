@@ -14,7 +14,9 @@
 //   `PronyModulus1`, `PronyTime1`, … to 4   without unit, and s; both 0 where a cell has no such
 //                      term
 //
-// see palpate::Rheology.
+// see palpate::Rheology, and
+//
+//   `FractureToughness`  J/m²; 0 where it is not known
 #pragma once
 
 #include <vector>
@@ -30,6 +32,7 @@ namespace vtkPalpateArray
 {
 inline constexpr const char* Law = "Law";
 inline constexpr const char* Formulation = "Formulation";
+inline constexpr const char* FractureToughness = "FractureToughness";
 }
 
 struct vtkPalpateMaterials
@@ -57,6 +60,10 @@ PALPATESCENE_EXPORT void vtkPalpateWriteMaterials(
 /// that is 0 throughout afterwards is removed.
 PALPATESCENE_EXPORT void vtkPalpateAssignRheology(
   const palpate::Rheology& rheology, const std::vector<char>& wanted, vtkUnstructuredGrid* body);
+
+/// Gives the cells that are `wanted` a fracture toughness, J/m², in the same way.
+PALPATESCENE_EXPORT void vtkPalpateAssignToughness(
+  double toughness, const std::vector<char>& wanted, vtkUnstructuredGrid* body);
 
 /// Adds the arrays of the rheologies, except those that are 0 throughout.
 /// @param rheologyOfCell Index into `rheologies` [number of cells].

@@ -34,6 +34,7 @@
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFields.h"
 #include "vtkPalpateGuard.h"
+#include "vtkPalpateMaterials.h"
 #include "vtkPalpateOpenedGrid.h"
 #include "vtkPalpatePartContact.h"
 #include "vtkPalpateScene.h"
@@ -140,6 +141,32 @@ palpate::NodalVector DisplacementOf(vtkUnstructuredGrid* body)
   return u;
 }
 
+/// The mean toughness of the tissues at the cut, J/m².
+double ToughnessAtCut(const palpate::Cut& cut, vtkUnstructuredGrid* body)
+{
+  vtkDataArray* array = body->GetCellData()->GetArray(vtkPalpateArray::FractureToughness);
+  double sum = 0;
+  int count = 0;
+  for (std::size_t cell = 0; cell < cut.faces.size(); ++cell)
+  {
+    if (std::none_of(cut.faces[cell].begin(), cut.faces[cell].end(), palpate::opens))
+    {
+      continue;
+    }
+    const double toughness = array ? array->GetComponent(static_cast<vtkIdType>(cell), 0) : 0;
+    if (!(toughness > 0))
+    {
+      throw palpate::InputError(
+        "FractureToughness is below 0, but a tissue at the cut has no toughness: of those of "
+        "Assign "
+        "Material, only Liver has one. Set FractureToughness to a number, J/m².");
+    }
+    sum += toughness;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
 void AddCells(vtkUnstructuredGrid* output, const char* name, const std::vector<double>& values)
 {
   vtkNew<vtkDoubleArray> array;
@@ -244,7 +271,7 @@ void vtkPalpateSolveEquilibrium::UpdateEstimate()
       palpate::WorkCount work = palpate::work_of_equilibrium();
       work.right_hand_sides += 3. * static_cast<double>(this->ActiveNodes.size());
       const double seconds = this->Increments * (isRigid ? StepsOfContact : 1) *
-        (this->FractureToughness > 0 ? BodiesOfTear : 1) *
+        (this->FractureToughness != 0 ? BodiesOfTear : 1) *
         palpate::seconds_of(work, cost, options.single_precision);
       return "An equilibrium of " + vtkPalpateTellNumber(cost.num_unknowns) +
         " unknowns. It takes " + vtkPalpateTellSeconds(seconds) + " and " +
@@ -365,8 +392,9 @@ void vtkPalpateSolveEquilibrium::Tear(const palpate::Scene& scene,
   const palpate::EquilibriumOptions options = this->SolverOptions(threads, IterationsAtHalf);
   const vtkPalpateToolRoute way = makeRoute(scene);
   palpate::TearingBody torn(
-    scene, this->FractureToughness, way.Start,
-    [&](const palpate::Scene& atStage) { return std::move(makeRoute(atStage).Tool); },
+    scene,
+    this->FractureToughness < 0 ? ToughnessAtCut(scene.body.cut, body) : this->FractureToughness,
+    way.Start, [&](const palpate::Scene& atStage) { return std::move(makeRoute(atStage).Tool); },
     [&](const palpate::Scene& atStage) {
       return palpate::EquilibriumSolver(atStage, options, this->MakeLinearSolver(atStage, threads));
     });

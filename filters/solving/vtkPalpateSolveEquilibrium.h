@@ -114,7 +114,8 @@ public:
   vtkBooleanMacro(StartFromDisplacement, bool);
   ///@}
   ///@{
-  /// The energy that it takes to open an area of the cut, J/m²; 0: the cut stays as it is.
+  /// The energy that it takes to open an area of the cut, J/m²; 0: the cut stays as it is; below 0:
+  /// that of the tissues at the cut, the cell array `FractureToughness`.
   vtkSetMacro(FractureToughness, double);
   vtkGetMacro(FractureToughness, double);
   ///@}

@@ -23,7 +23,7 @@ Material ogden(double modulus, double exponent) {
 
 const std::vector<Tissue>& tissues() {
   static const std::vector<Tissue> all = {
-      {"Liver", sheared(2300), "10.2214/AJR.07.3123"},
+      {"Liver", sheared(2300), "10.2214/AJR.07.3123", 164, "10.1016/j.medengphy.2011.09.030"},
       {"Liver tumour", sheared(10100), "10.2214/AJR.07.3123"},
       {"Kidney", sheared(4900), "10.1002/jmri.22670"},
       {"Prostate", neo_hookean(17000), "10.1016/j.urology.2010.02.025"},

@@ -227,7 +227,15 @@ def test_tears_in_a_solve():
                  "no cut along which it could tear", "Place Cut")
     tip["ActiveNodes"] = [node_at(boundary, TIP)]
     expect_error(SolveEquilibrium(Input=boundary, FractureToughness=-1, **tip).UpdatePipeline,
-                 "must be a number above 0")
+                 "no toughness", "Set FractureToughness")
+    # A tissue of the list has its own, which a body of that size does not reach.
+    boundary.Input.Law = "Liver"
+    boundary.UpdatePipeline()
+    assert (cell_array(fetch(boundary), "FractureToughness") == 164).all()
+    liver = pulled(boundary, 0.5, FractureToughness=-1)
+    assert field(liver, "Outcome")[0] == 0 and field(liver, "Stage")[0] == 0
+    boundary.Input.Law = "Neo-Hookean"
+    assert not fetch(boundary).GetCellData().HasArray("FractureToughness")
 
 
 def held_block(name, quadratic=True):

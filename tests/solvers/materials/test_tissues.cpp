@@ -29,6 +29,13 @@ TEST(Tissues, HaveTheModulusThatWasMeasured) {
   EXPECT_NEAR(poissons_ratio(material_of("Brain white matter")), 0.495, 1e-12);
 }
 
+TEST(Tissues, HaveAToughnessWithItsSourceOrNone) {
+  for (const Tissue& tissue : tissues()) {
+    EXPECT_EQ(tissue.toughness > 0, !tissue.toughness_doi.empty()) << tissue.name;
+    EXPECT_EQ(tissue.toughness, tissue.name == "Liver" ? 164 : 0) << tissue.name;
+  }
+}
+
 /// A mean curve: stretch and nominal stress (Pa) in tension and compression, then amount and stress
 /// of shear.
 struct Curve {
