@@ -28,40 +28,6 @@ using palpate::ElementOrder;
 using palpate::Index;
 using palpate::TetMesh;
 using palpate::Vec3;
-
-/// A place in a cell of the body before.
-struct InCell
-{
-  Index Cell = -1;
-  Eigen::Vector4d Weights;
-};
-
-/// Where the points of the closed mesh are in the body before: in one of the cells whose parts they
-/// belong to, or nearly so where they were moved.
-std::vector<InCell> FindPlaces(
-  const TetMesh& before, const TetMesh& closed, const std::vector<Index>& parents)
-{
-  std::vector<InCell> found(closed.points.size());
-  const int nodes = palpate::nodes_per_cell(closed.order);
-  for (Index c = 0; c < closed.num_cells(); ++c)
-  {
-    for (int k = 0; k < nodes; ++k)
-    {
-      const Index point = closed.cell(c)[k];
-      InCell& best = found[point];
-      if (best.Cell == parents[c])
-      {
-        continue;
-      }
-      const Eigen::Vector4d weights = palpate::weights_at(before, parents[c], closed.points[point]);
-      if (best.Cell < 0 || weights.minCoeff() > best.Weights.minCoeff())
-      {
-        best = { parents[c], weights };
-      }
-    }
-  }
-  return found;
-}
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
@@ -71,7 +37,7 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
     mesh.order == ElementOrder::linear ? cut.mesh : palpate::with_middles(cut.mesh);
   auto result = vtkPalpateGridFromMesh(closed);
   const int nodes = palpate::nodes_per_cell(mesh.order);
-  const std::vector<InCell> places_before = FindPlaces(mesh, closed, cut.parents);
+  const std::vector<palpate::InCell> places = palpate::find_places(mesh, closed, cut.parents);
   vtkCellData* cells = result->GetCellData();
   cells->CopyGlobalIdsOff();
   cells->CopyAllocate(grid->GetCellData(), closed.num_cells());
@@ -85,14 +51,14 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateCutGrid(
   vtkNew<vtkIdList> ids;
   for (Index p = 0; p < closed.num_points(); ++p)
   {
-    const InCell& before = places_before[p];
+    const palpate::InCell& before = places[p];
     ids->Reset();
     for (int k = 0; k < nodes; ++k)
     {
-      ids->InsertNextId(mesh.cell(before.Cell)[k]);
+      ids->InsertNextId(mesh.cell(before.cell)[k]);
     }
     // Reference coordinates are the weights of the corners after the first.
-    Eigen::VectorXd weights = palpate::shape_values(mesh.order, Vec3(before.Weights.tail<3>()));
+    Eigen::VectorXd weights = palpate::shape_values(mesh.order, Vec3(before.weights.tail<3>()));
     points->InterpolatePoint(grid->GetPointData(), p, ids, weights.data());
   }
   const palpate::OpenedMesh opened = palpate::open_mesh(closed, cut.faces, stage);

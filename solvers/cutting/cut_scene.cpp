@@ -19,8 +19,6 @@ constexpr double kShareOfCorner = 0.1;
 struct InOld {
   Index cell = -1;
   std::vector<std::pair<Index, double>> corners;
-  /// The least weight before small ones were left out.
-  double least = -1;
 };
 
 class Transfer {
@@ -29,10 +27,8 @@ class Transfer {
     const bool is_linear = old_.mesh.order == ElementOrder::linear;
     body_.mesh = is_linear ? cut.mesh : with_middles(cut.mesh);
     on_surface_ = boundary_points(body_.mesh);
-    places_.resize(body_.mesh.points.size());
-    const int nodes = nodes_per_cell(body_.mesh.order);
-    for (Index c = 0; c < body_.mesh.num_cells(); ++c) {
-      for (int k = 0; k < nodes; ++k) find(body_.mesh.cell(c)[k], cut.parents[c]);
+    for (const InCell& place : find_places(old_.mesh, body_.mesh, cut.parents)) {
+      places_.push_back(without_small(place));
     }
   }
 
@@ -63,21 +59,16 @@ class Transfer {
   }
 
  private:
-  /// Finds a point in a cell of the old mesh, if it was not found in a better one.
-  void find(Index point, Index cell) {
-    const Eigen::Vector4d weights = weights_at(old_.mesh, cell, body_.mesh.points[point]);
-    InOld& place = places_[point];
-    if (!place.corners.empty() && weights.minCoeff() <= place.least) return;
-    place.least = weights.minCoeff();
-    place.cell = cell;
-    place.corners.clear();
+  [[nodiscard]] InOld without_small(const InCell& place) const {
+    InOld result{place.cell, {}};
     double sum = 0;
     for (int k = 0; k < 4; ++k) {
-      if (weights[k] < kShareOfCorner) continue;
-      place.corners.emplace_back(old_.mesh.cell(cell)[k], weights[k]);
-      sum += weights[k];
+      if (place.weights[k] < kShareOfCorner) continue;
+      result.corners.emplace_back(old_.mesh.cell(place.cell)[k], place.weights[k]);
+      sum += place.weights[k];
     }
-    for (auto& [corner, weight] : place.corners) weight /= sum;
+    for (auto& [corner, weight] : result.corners) weight /= sum;
+    return result;
   }
 
   /// The corners at a point, and the midside nodes between them. A point within the body has all

@@ -71,4 +71,22 @@ Eigen::Vector4d weights_at(const TetMesh& mesh, Index cell, const Vec3& place) {
   return {1 - weights.sum(), weights[0], weights[1], weights[2]};
 }
 
+std::vector<InCell> find_places(const TetMesh& before, const TetMesh& after,
+                                const std::vector<Index>& parents) {
+  std::vector<InCell> found(after.points.size());
+  const int nodes = nodes_per_cell(after.order);
+  for (Index c = 0; c < after.num_cells(); ++c) {
+    for (int k = 0; k < nodes; ++k) {
+      const Index point = after.cell(c)[k];
+      InCell& best = found[point];
+      if (best.cell == parents[c]) continue;
+      const Eigen::Vector4d weights = weights_at(before, parents[c], after.points[point]);
+      if (best.cell < 0 || weights.minCoeff() > best.weights.minCoeff()) {
+        best = {parents[c], weights};
+      }
+    }
+  }
+  return found;
+}
+
 }  // namespace palpate

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tearing/closed_start.h"
 
-#include <algorithm>
 #include <array>
 #include <map>
 #include <numeric>
 #include <utility>
 
-#include "mesh/cell_faces.h"
 #include "tearing/pressed_sides.h"
+#include "tearing/side_points.h"
 
 namespace palpate {
 namespace {
@@ -20,28 +19,16 @@ std::vector<Index> close_points(const Body& body) {
   std::iota(closed.begin(), closed.end(), 0);
   // Copies of a point have the same place to the bit.
   std::map<std::array<double, 3>, Index> first;
-  const auto close = [&](Index point) {
-    const Vec3& x = mesh.points[point];
-    Index& at = first.emplace(std::array<double, 3>{x[0], x[1], x[2]}, point).first->second;
-    at = std::min(at, point);
-  };
   std::vector<char> is_on_cut(mesh.points.size(), 0);
   for (Index c = 0; c < mesh.num_cells(); ++c) {
-    const Index* cell = mesh.cell(c);
     for (int k = 0; k < 4; ++k) {
       if (!is_open(body.cut.faces[c][k], body.cut.stage)) continue;
-      for (const Index p : face_opposite(cell, k)) is_on_cut[p] = 1;
-      for (int e = 0; e < 6 && mesh.order == ElementOrder::quadratic; ++e) {
-        if (kTetEdges[e][0] != k && kTetEdges[e][1] != k) is_on_cut[cell[4 + e]] = 1;
-      }
+      for (const Index p : points_of_side(mesh, c, k)) is_on_cut[p] = 1;
     }
   }
   for (Index p = 0; p < mesh.num_points(); ++p) {
-    if (is_on_cut[p] != 0) close(p);
-  }
-  for (Index p = 0; p < mesh.num_points(); ++p) {
     const Vec3& x = mesh.points[p];
-    if (is_on_cut[p] != 0) closed[p] = first.at({x[0], x[1], x[2]});
+    if (is_on_cut[p] != 0) closed[p] = first.try_emplace({x[0], x[1], x[2]}, p).first->second;
   }
   return closed;
 }

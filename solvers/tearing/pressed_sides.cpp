@@ -8,6 +8,7 @@
 
 #include "assembly/stress.h"
 #include "mesh/cell_faces.h"
+#include "tearing/side_points.h"
 
 namespace palpate {
 namespace {
@@ -24,10 +25,7 @@ std::vector<Vec3> normals_of_sides(const Body& body) {
       const std::vector<Vec3>& x = mesh.points;
       Vec3 normal = (x[b] - x[a]).cross(x[d] - x[a]);
       if (normal.dot(x[cell[k]] - x[a]) > 0) normal = -normal;
-      for (const Index p : {a, b, d}) normals[p] += normal;
-      for (int e = 0; e < 6 && mesh.order == ElementOrder::quadratic; ++e) {
-        if (kTetEdges[e][0] != k && kTetEdges[e][1] != k) normals[cell[4 + e]] += normal;
-      }
+      for (const Index p : points_of_side(mesh, c, k)) normals[p] += normal;
     }
   }
   return normals;

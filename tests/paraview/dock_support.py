@@ -65,6 +65,10 @@ def touches():
     return part("state").text().endswith(", touching")
 
 
+def presses():
+    return part("state").text().endswith(", pressing")
+
+
 def touch_filter():
     return FindSource("TouchStateSpace1")
 

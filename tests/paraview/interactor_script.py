@@ -13,8 +13,8 @@ from paraview import servermanager
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from dock_support import (click_start, click_stop, measure_frames, number, run_in_turn, runs, said,
-                          touch_filter, touches, wait_for)
+from dock_support import (click_start, click_stop, measure_frames, number, presses, run_in_turn,
+                          runs, said, touch_filter, touches, wait_for)
 from test_cut import DEPTH, HEIGHT, LENGTHS, held_block, space_of_stages, two_stages
 from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, action, apply,
                 application, canvas, choose, click, dialogs, dock, drag, in_dialog, is_shown, menu,
@@ -263,18 +263,24 @@ def mouse():
     click_stop()
 
 
-def tears():
-    """The mouse pulls a body with a cut until that tears; what is torn stays so, and where the work
-    of the hand has gone is told."""
-    boundary = two_stages("tearing")
-    space = space_of_stages(boundary)
+def look_at_block(space):
+    """From the side on which its cut has its mouth."""
     view = GetActiveViewOrCreate("RenderView")
     Show(space, view)
     view.CameraPosition, view.CameraFocalPoint = [-0.3, -0.1, 0.25], [0.05, 0.03, 0.03]
     view.CameraViewUp = [0, 0, 1]
     view.ResetCamera()
     Render()
-    wait(0.2)
+    wait(0.3)
+    return view
+
+
+def tears():
+    """The mouse pulls a body with a cut until that tears; what is torn stays so, and where the work
+    of the hand has gone is told."""
+    boundary = two_stages("tearing")
+    space = space_of_stages(boundary)
+    view = look_at_block(space)
     toughness = part("fractureToughness")
     wait_for(toughness.isEnabled, "the space has a cut")
     toughness.setValue(0.05)
@@ -304,13 +310,7 @@ def cut_in_view(boundary, make_space):
     plane = Plane(Origin=[-0.02, -0.02, HEIGHT], Point1=[DEPTH, -0.02, HEIGHT],
                   Point2=[-0.02, 0.08, HEIGHT])
     plane.UpdatePipeline()
-    view = GetActiveViewOrCreate("RenderView")
-    Show(space, view)
-    view.CameraPosition, view.CameraFocalPoint = [-0.3, -0.1, 0.25], [0.05, 0.03, 0.03]
-    view.CameraViewUp = [0, 0, 1]
-    view.ResetCamera()
-    Render()
-    wait(0.3)
+    view = look_at_block(space)
     assert part("sheet").count() > 0
     part("sheet").setCurrentIndex(part("sheet").count() - 1)
     return space, view
@@ -348,10 +348,6 @@ def cuts():
     SaveScreenshot("cut.png", view, ImageResolution=[600, 450])
     let_go(end)
     click_stop()
-
-
-def presses():
-    return part("state").text().endswith(", pressing")
 
 
 def cuts_pressed():

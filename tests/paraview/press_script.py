@@ -9,8 +9,8 @@ import time
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from dock_support import (click_start, click_stop, number, run_in_turn, said, touch_filter,
-                          touches, unfold, wait_for)
+from dock_support import (click_start, click_stop, number, presses, run_in_turn, said,
+                          touch_filter, touches, unfold, wait_for)
 from qt import (Button, Event, Modifier, QtCore, QTest, QtWidgets, application, canvas, drag, part,
                 pixel_of, property_widget, send, turn_wheel, wait, window)
 
@@ -20,10 +20,6 @@ BEHIND = [-0.1, 0.03, -0.4]
 # Of the bottom, which the space does not reach, and seen from there.
 BELOW = [0.07, 0.03, 0]
 IMAGE = [600, 450]
-
-
-def presses():
-    return part("state").text().endswith(", pressing")
 
 
 def is_free():

@@ -70,10 +70,14 @@ def boundary_at(name, stage, spacing=0.01, **contact):
     """The body with its cut open up to a stage, held at its bottom."""
     cut = PlaceCut(Input=body(name), Sheet=sheet(), CutDirection=[1, 0, 0], StageSpacing=spacing,
                    Stage=stage)
-    boundary = SetBoundary(Input=AssignMaterial(Input=cut, Law="Neo-Hookean"),
+    return hold(cut, **contact)
+
+
+def hold(grid, **contact):
+    """The body with a tissue, held at its bottom."""
+    boundary = SetBoundary(Input=AssignMaterial(Input=grid, Law="Neo-Hookean"),
                            FixedRegion="Plane", **contact)
-    boundary.FixedRegion.Origin = [0, 0, 1e-6]
-    boundary.FixedRegion.Normal = [0, 0, 1]
+    boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 1e-6], [0, 0, 1]
     return boundary
 
 
@@ -219,9 +223,7 @@ def test_tears_in_a_solve():
     assert numpy.isclose(field(whole, "ReleaseRate")[0], rates[0], rtol=1e-5)
     parts = pulled(boundary, FractureToughness=toughness, Increments=3)
     assert field(parts, "Stage")[0] == stage
-    uncut = SetBoundary(Input=AssignMaterial(Input=body("whole"), Law="Neo-Hookean"),
-                        FixedRegion="Plane")
-    uncut.FixedRegion.Origin, uncut.FixedRegion.Normal = [0, 0, 1e-6], [0, 0, 1]
+    uncut = held_block("whole")
     tip["ActiveNodes"] = [node_at(uncut, TIP)]
     expect_error(SolveEquilibrium(Input=uncut, FractureToughness=1, **tip).UpdatePipeline,
                  "no cut along which it could tear", "Place Cut")
@@ -239,10 +241,7 @@ def test_tears_in_a_solve():
 
 
 def held_block(name, quadratic=True):
-    boundary = SetBoundary(Input=AssignMaterial(Input=body(name, quadratic), Law="Neo-Hookean"),
-                           FixedRegion="Plane")
-    boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 1e-6], [0, 0, 1]
-    return boundary
+    return hold(body(name, quadratic))
 
 
 def test_cut_now():

@@ -6,7 +6,6 @@
 #include <QList>
 #include <QMap>
 #include <QString>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -18,7 +17,6 @@
 #include "pqPipelineSource.h"
 #include "pqServerManagerModel.h"
 #include "pqUndoStack.h"
-#include "vtkMath.h"
 #include "vtkSMInputProperty.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSourceProxy.h"
@@ -29,23 +27,6 @@ namespace
 {
 /// What Solve Equilibrium has in common with Precompute State Space.
 constexpr const char* OfTool[] = { "Tool", "ToolSurface", "TipRadius", "BodyForce" };
-
-/// The point that is nearest to a place.
-vtkIdType NearestPoint(vtkUnstructuredGrid* body, const double place[3])
-{
-  vtkIdType nearest = -1;
-  double least = std::numeric_limits<double>::infinity();
-  for (vtkIdType p = 0; p < body->GetNumberOfPoints(); ++p)
-  {
-    const double squared = vtkMath::Distance2BetweenPoints(body->GetPoint(p), place);
-    if (squared < least)
-    {
-      least = squared;
-      nearest = p;
-    }
-  }
-  return nearest;
-}
 
 using Inputs = QMap<QString, QList<pqOutputPort*>>;
 
@@ -179,7 +160,7 @@ void pqPalpateCutNow(pqOutputPort* space, pqOutputPort* sheet, const pqPalpateHe
     isChanged = true;
     for (std::size_t k = 0; k < whole.Nodes.size(); ++k)
     {
-      const vtkIdType nearest = NearestPoint(after, before->GetPoint(whole.Nodes[k]));
+      const vtkIdType nearest = after->FindPoint(before->GetPoint(whole.Nodes[k]));
       vtkSMPropertyHelper(precompute, "ActiveNodes")
         .Set(static_cast<unsigned int>(k), static_cast<int>(nearest));
     }
