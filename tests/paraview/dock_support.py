@@ -13,8 +13,8 @@ from qt import Button, QTest, application, part, wait, wait_until, window
 from support import delete_all
 
 
-def wait_for(condition, what):
-    wait_until(condition, lambda: f"{what}; {part('state').text()}")
+def wait_for(condition, what, time_out=60):
+    wait_until(condition, lambda: f"{what}; {part('state').text()}", time_out)
 
 
 def number(name):
