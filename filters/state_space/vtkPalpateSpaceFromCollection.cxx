@@ -104,9 +104,12 @@ void ReadSurface(vtkDataSet* data, TouchSpace& space)
   {
     return;
   }
-  surface.num_of_cut =
-    static_cast<std::size_t>(Required(data->GetFieldData(), SidesOfCut, 1)->GetComponent(0, 0));
-  if (surface.num_of_cut > surface.triangles.size())
+  vtkDataArray* sides = Required(data->GetFieldData(), StageOfSide, 1);
+  for (vtkIdType side = 0; side < sides->GetNumberOfTuples(); ++side)
+  {
+    surface.stages_of_cut.push_back(static_cast<std::int32_t>(sides->GetComponent(side, 0)));
+  }
+  if (surface.stages_of_cut.size() > surface.triangles.size())
   {
     throw InputError("The Surface of the state space has fewer triangles than its cut. Compute the "
                      "state space again.");

@@ -137,8 +137,9 @@ vtkSmartPointer<vtkPolyData> SurfaceData(TouchSpace& space)
   data->SetPolys(triangles);
   if (!space.stages.empty())
   {
-    auto* sides = AddArray<vtkIdTypeArray>(data->GetFieldData(), SidesOfCut, 1, 1);
-    sides->SetValue(0, static_cast<vtkIdType>(surface.num_of_cut));
+    const auto numSides = static_cast<vtkIdType>(surface.stages_of_cut.size());
+    auto* sides = AddArray<vtkIntArray>(data->GetFieldData(), StageOfSide, 1, numSides);
+    std::copy(surface.stages_of_cut.begin(), surface.stages_of_cut.end(), sides->GetPointer(0));
     auto* stages = AddArray<vtkDoubleArray>(
       data->GetFieldData(), StagesOfCut, 2, static_cast<vtkIdType>(space.stages.size()));
     for (std::size_t s = 0; s < space.stages.size(); ++s)

@@ -28,9 +28,9 @@ constexpr const char* BodyNumber = "BodyNumber";
 constexpr const char* BodyNumbers = "BodyNumbers";
 constexpr const char* MaterialPoints = "MaterialPoints";
 
-/// Field arrays of the surface of an organ that is cut: how many triangles at its end are sides of
-/// the cut, and of each stage the body and the area (m²).
-constexpr const char* SidesOfCut = "SidesOfCut";
+/// Field arrays of the surface of an organ that is cut: of each of its last triangles, which are
+/// the sides of the cut, the stage at which it opens; and of each stage the body and the area (m²).
+constexpr const char* StageOfSide = "StageOfSide";
 constexpr const char* StagesOfCut = "StagesOfCut";
 
 /// The numbers of the blocks of a name, which others than we may have made several of.

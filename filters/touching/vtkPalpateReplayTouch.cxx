@@ -47,7 +47,8 @@ using palpate::Vec3;
 enum ContactStatus
 {
   Attached = 3,
-  Pressing = 4
+  Pressing = 4,
+  Cutting = 5
 };
 /// The largest number of nodes of a palpate::Contact.
 constexpr int MostNodes = 3;
@@ -66,6 +67,9 @@ struct Frame
   Vec3 Force = Vec3::Zero();
   /// The area of the cut that is open, m².
   double TornArea = 0;
+
+  /// Whether nodes are moved. They stay so while a blade is moved.
+  [[nodiscard]] bool Holds() const { return this->Nodes[0] >= 0; }
 };
 
 /// The columns of a recording.
@@ -177,8 +181,18 @@ public:
     {
       frame.TornArea = this->Number("torn_area_m2", i);
     }
-    const bool touches = frame.Contact == Attached || frame.Contact == Pressing;
-    frame.Place = touches ? Vec3(anchor + frame.Displacement) : this->Vector("position", "_m", i);
+    switch (frame.Contact)
+    {
+      case Attached:
+      case Pressing:
+        frame.Place = anchor + frame.Displacement;
+        break;
+      case Cutting:
+        frame.Place = anchor;
+        break;
+      default:
+        frame.Place = this->Vector("position", "_m", i);
+    }
     return frame;
   }
 
@@ -369,7 +383,7 @@ struct vtkPalpateReplayTouch::Replay
       double Weight = 0;
     };
     std::vector<Moved> moved;
-    for (int k = 0; k < MostNodes && frame.Contact == Attached; ++k)
+    for (int k = 0; k < MostNodes && frame.Holds(); ++k)
     {
       if (frame.Weights[k] != 0)
       {
@@ -394,13 +408,13 @@ struct vtkPalpateReplayTouch::Replay
       this->Touch->SetActiveNode(node);
       this->Touch->SetBodyNumber(body);
       this->Touch->SetTornArea(frame.TornArea);
-      const Vec3 displacement = frame.Contact == Attached ? frame.Displacement : Vec3(0, 0, 0);
+      const Vec3 displacement = frame.Holds() ? frame.Displacement : Vec3(0, 0, 0);
       this->Touch->SetDisplacement(displacement[0], displacement[1], displacement[2]);
       this->Touch->SetStartDisplacement(displacement[0], displacement[1], displacement[2]);
       this->Touch->SetToolPosition(frame.Place[0], frame.Place[1], frame.Place[2]);
       // What is felt tells the branch, unless several nodes are moved, which share the force.
       const Vec3 felt = -frame.Force;
-      const bool isKnown = number == 1 && weight == 1;
+      const bool isKnown = number == 1 && weight == 1 && frame.Contact != Cutting;
       this->Touch->SetFeltForce(isKnown ? felt.data() : nullptr);
       this->Touch->Update();
       vtkPolyData* touched = this->Touch->GetOutput();
@@ -568,7 +582,7 @@ int vtkPalpateReplayTouch::RequestData(
       }
       auto* tool = vtkPolyData::GetData(outputVector, ToolPort);
       auto* force = vtkPolyData::GetData(outputVector, ForcePort);
-      const bool isHeld = frame.Contact == Attached || !replay.HasRigidTool;
+      const bool isHeld = frame.Holds() || !replay.HasRigidTool;
       const auto shape = replay.Shapes.find(isHeld ? std::pair(frame.Bodies[0], frame.Nodes[0])
                                                    : std::pair(vtkIdType(1), vtkIdType(-1)));
       MoveTo(

@@ -90,7 +90,7 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
                      "Touches this reduced model of the file, from 1, in place of its state space; "
                      "a file with one model and no state space does not need it. --node, --method, "
                      "--bonded, --release-force, --no-blending, --no-mesh-correction, --friction, "
-                     "--toughness and --replay are not for it")
+                     "--toughness, --blade and --replay are not for it")
           ->type_name("NUMBER");
   app.add_option("--step", line.step,
                  "From step to step of a reduced body, s: one that misses many needs more");
@@ -149,6 +149,11 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
       "--toughness", touch.fracture_toughness,
       "The energy that it takes to open a cut whose stages the space has, J/m^2; 0: it does "
       "not tear");
+  app.add_flag("--blade", touch.is_blade, "The tool is a blade, which opens such a cut");
+  app.add_option("--blade-toughness", touch.blade_toughness,
+                 "The energy that it takes the blade to open the cut, J/m^2; 0: --toughness");
+  app.add_option("--blade-friction", touch.blade_friction,
+                 "The force that it takes to draw the blade through the cut, N");
   double release_after = seconds(line.options.release_after);
   app.add_option("--release-after", release_after,
                  "Without a fresh report, or a step of the reduced body, for so long the tool "

@@ -43,7 +43,7 @@ void check_reduced(const CommandLine& line) {
         "body along it, as the page of that filter says.");
   }
   for (const char* option : {"--node", "--method", "--bonded", "--release-force", "--no-blending",
-                             "--no-mesh-correction", "--friction", "--toughness"}) {
+                             "--no-mesh-correction", "--friction", "--toughness", "--blade"}) {
     if (line.given.count(option) == 0) continue;
     throw InputError(std::string(option) +
                      " is for a state space, and a reduced model is touched here. Leave it out.");

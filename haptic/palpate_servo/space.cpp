@@ -73,6 +73,12 @@ Touched read_touched(const CommandLine& line, std::optional<StateSpaceFile> file
   Touched touched;
   touched.body = std::make_shared<const Touchable>(space, line.touchable);
   touched.at = chosen_place(space, *touched.body, line);
+  if (line.touch.is_blade &&
+      (!touched.body->torn().is_cut() || touched.body->force_on_tool() != nullptr)) {
+    throw InputError(line.space +
+                     " has no cut that a blade could open: that takes active nodes and the stages "
+                     "of a cut. Leave out --blade, or compute a space with them.");
+  }
   const TouchToolSpace* tool = touched.body->force_on_tool() != nullptr ? space.find_pressing()
                                : line.node ? space.find({*line.node, kFirstBody})
                                            : &space.tool_spaces.front();

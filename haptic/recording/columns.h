@@ -101,10 +101,11 @@ void visit_columns(Record& record, Visit&& visit) {
   visit(Name{"torn_area", "m2", {}, 6}, contact.torn_area);
   visit(Name{"torn_work", "J", {}, 6}, contact.torn_work);
   visit(Name{"hand_work", "J", {}, 6}, contact.hand_work);
+  visit(Name{"friction_work", "J", {}, 7}, contact.friction_work);
 }
 
 /// The version of the recordings that are written.
-inline constexpr int kVersion = 6;
+inline constexpr int kVersion = 7;
 
 /// The name of the last column.
 inline constexpr std::string_view kSettings = "settings";
@@ -133,6 +134,9 @@ void visit_settings(Record& record, Visit&& visit) {
   visit(Name{"friction", {}, {}, 2}, touch.friction);
   visit(Name{"grows", {}, {}, 5}, touch.grows);
   visit(Name{"fracture_toughness", "J_per_m2", {}, 6}, touch.fracture_toughness);
+  visit(Name{"is_blade", {}, {}, 7}, touch.is_blade);
+  visit(Name{"blade_toughness", "J_per_m2", {}, 7}, touch.blade_toughness);
+  visit(Name{"blade_friction", "N", {}, 7}, touch.blade_friction);
 }
 
 /// Calls visit for each setting that stays as it is during a recording.

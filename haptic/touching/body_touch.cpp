@@ -44,12 +44,16 @@ SurfaceTree::Nearest BodyTouch::nearest(const Vec3& place) noexcept {
   return nearest;
 }
 
+double BodyTouch::reach(const SurfaceTree::Nearest& at, double least,
+                        const TouchSettings& settings) const noexcept {
+  return settings.reach > 0 ? settings.reach
+                            : std::max({body_->surface().longest_side(at.triangle),
+                                        body_->largest_tip_radius(), least});
+}
+
 bool BodyTouch::take_hold(const SurfaceTree::Nearest& at, double least,
                           const TouchSettings& settings) noexcept {
-  const double reach = settings.reach > 0 ? settings.reach
-                                          : std::max({body_->surface().longest_side(at.triangle),
-                                                      body_->largest_tip_radius(), least});
-  return hold_.take(at, reach, settings.blended);
+  return hold_.take(at, reach(at, least, settings), settings.blended);
 }
 
 std::unique_ptr<Touch> make_touch(std::shared_ptr<const Touchable> body, Relation relation) {

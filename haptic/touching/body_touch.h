@@ -40,8 +40,11 @@ class BodyTouch : public Touch {
 
   [[nodiscard]] const Touchable& body() const noexcept { return *body_; }
   [[nodiscard]] SurfaceTree::Nearest nearest(const Vec3& place) noexcept;
-  /// Takes hold where the surface is nearest.
+  /// How far what the tool takes hold of may be from where it comes in, m.
   /// @param least The least reach where the settings have none, m.
+  [[nodiscard]] double reach(const SurfaceTree::Nearest& at, double least,
+                             const TouchSettings& settings) const noexcept;
+  /// Takes hold where the surface is nearest. `least` is as of reach().
   /// @returns false: no active node is within reach.
   [[nodiscard]] bool take_hold(const SurfaceTree::Nearest& at, double least,
                                const TouchSettings& settings) noexcept;

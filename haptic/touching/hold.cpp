@@ -28,7 +28,7 @@ void Hold::take_over(const Touchable* body, bool is_same_scene) noexcept {
   body_ = body;
   if (!is_same_scene) {
     let_go();
-    torn_area_ = torn_work_ = hand_work_ = 0;
+    account_ = {};
   }
   for (int i = 0; holds() && i < num_held_; ++i) {
     Held& held = held_[i];
@@ -45,7 +45,7 @@ void Hold::take_over(const Touchable* body, bool is_same_scene) noexcept {
 void Hold::take_over_changed(const Touchable& body, const Hold& before) noexcept {
   *this = before;
   body_ = &body;
-  torn_area_ = torn_work_ = hand_work_ = 0;
+  account_ = {};
   for (int i = 0; i < num_held_; ++i) {
     const Touchable::Node& was = before.body_->nodes()[held_[i].node];
     const std::int32_t now =
@@ -88,8 +88,7 @@ bool Hold::take(const SurfaceTree::Nearest& at, double reach, bool blended) noex
   displacement_.setZero();
   offset_.setZero();
   followed_.setZero();
-  last_place_ = at.point;
-  last_force_.setZero();
+  account_.begin(at.point);
   return true;
 }
 
@@ -129,16 +128,23 @@ TouchResult Hold::at_stage(int stage, const Vec3& t) const noexcept {
 bool Hold::tear(double toughness, const Vec3& t) noexcept {
   const TornEnergy& torn = body_->torn();
   if (!torn.is_cut() || !(toughness > 0)) return false;
-  const double before = torn_area_;
-  torn_area_ = torn.tear(before, toughness, before + torn.whole_area() / kTicksOfTear,
-                         [&](int stage) { return at_stage(stage, t); });
-  torn_work_ += toughness * (torn_area_ - before);
-  return torn_area_ > before;
+  const double before = account_.area();
+  account_.open(torn.tear(before, toughness, before + torn.whole_area() / kTicksOfTear,
+                          [&](int stage) { return at_stage(stage, t); }),
+                toughness);
+  return account_.area() > before;
+}
+
+TornResult Hold::energy_at(double area) const noexcept {
+  if (!holds()) return {};
+  return body_->torn().evaluate(area, [&](int stage) { return at_stage(stage, displacement_); });
 }
 
 TouchResult Hold::evaluate(const Vec3& t) const noexcept {
   if (body_->torn().is_cut()) {
-    return body_->torn().evaluate(torn_area_, [&](int stage) { return at_stage(stage, t); }).touch;
+    return body_->torn()
+        .evaluate(account_.area(), [&](int stage) { return at_stage(stage, t); })
+        .touch;
   }
   TouchResult sum = TouchResult::empty_sum();
   for (int i = 0; i < num_held_; ++i) {
@@ -175,6 +181,27 @@ Contact Hold::move(const Vec3& place, double coupling, double toughness) noexcep
     contact.stiffness = at.stiffness;
   }
   displacement_ = t;
+  tell(at, contact);
+  if (body_->torn().is_cut()) {
+    account_.follow(place, contact.force);
+    account_.tell(contact);
+  }
+  return contact;
+}
+
+Contact Hold::stay(double toughness) noexcept {
+  Contact contact;
+  if (holds()) {
+    (void)tear(toughness, displacement_);
+    const TouchResult at = evaluate(displacement_);
+    contact.energy = at.energy;
+    tell(at, contact);
+  }
+  account_.tell(contact);
+  return contact;
+}
+
+void Hold::tell(const TouchResult& at, Contact& contact) const noexcept {
   contact.status = ContactStatus::attached;
   for (int i = 0; i < num_held_; ++i) {
     contact.nodes[i] = held_[i].mesh_point;
@@ -183,22 +210,9 @@ Contact Hold::move(const Vec3& place, double coupling, double toughness) noexcep
     contact.branches[i] = held_[i].branch;
   }
   contact.anchor = anchor_;
-  contact.displacement = t;
+  contact.displacement = displacement_;
   contact.support = at.support;
   contact.mesh_error = at.mesh_error;
-  if (body_->torn().is_cut()) {
-    hand_work_ -= 0.5 * (last_force_ + contact.force).dot(place - last_place_);
-    last_place_ = place;
-    last_force_ = contact.force;
-    tell_tear(contact);
-  }
-  return contact;
-}
-
-void Hold::tell_tear(Contact& contact) const noexcept {
-  contact.torn_area = torn_area_;
-  contact.torn_work = torn_work_;
-  contact.hand_work = hand_work_;
 }
 
 bool Hold::slips(const Contact& contact, bool pulls_too, double release_force) const noexcept {

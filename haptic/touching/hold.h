@@ -21,6 +21,7 @@
 #include <array>
 
 #include "haptic/touching/contact.h"
+#include "haptic/touching/tear_account.h"
 #include "haptic/touching/touchable.h"
 
 namespace palpate {
@@ -55,8 +56,15 @@ class Hold {
   /// @param toughness Of a cut that tears, J/m²; 0: it stays as it is.
   [[nodiscard]] Contact move(const Vec3& place, double coupling, double toughness) noexcept;
 
-  /// What is torn, for a tool that holds nothing.
-  void tell_tear(Contact& contact) const noexcept;
+  /// The contact while what is held, if anything is, stays where it is. Its force is zero: nothing
+  /// is felt of it. `toughness` is as of move().
+  [[nodiscard]] Contact stay(double toughness) noexcept;
+  /// Energy of the body as it is held, J, and G, J/m², where an area of the cut is open.
+  [[nodiscard]] TornResult energy_at(double area) const noexcept;
+
+  /// What is torn. It stays when the tool lets go.
+  [[nodiscard]] const TearAccount& account() const noexcept { return account_; }
+  [[nodiscard]] TearAccount& account() noexcept { return account_; }
 
   /// @param pulls_too Whether the tool also pulls. Such a tool lets go only above `release_force`,
   ///   N; 0: never. Another tool lets go where it would pull, and slips where it has gone aside
@@ -82,6 +90,8 @@ class Hold {
   [[nodiscard]] TouchResult at_stage(int stage, const Vec3& t) const noexcept;
   /// Tears the cut at a displacement. @returns Whether it opens.
   [[nodiscard]] bool tear(double toughness, const Vec3& t) noexcept;
+  /// Tells what is held, and where.
+  void tell(const TouchResult& at, Contact& contact) const noexcept;
   /// Finds the branch that each node is on when the nodes move from displacement_ to t.
   void follow(const Vec3& t) noexcept;
 
@@ -91,12 +101,7 @@ class Hold {
   Vec3 anchor_ = Vec3::Zero();
   Vec3 normal_ = Vec3::Zero();
   Vec3 displacement_ = Vec3::Zero();
-  double torn_area_ = 0;
-  double torn_work_ = 0;
-  double hand_work_ = 0;
-  /// The place and the force in the last tick, while the tool holds.
-  Vec3 last_place_ = Vec3::Zero();
-  Vec3 last_force_ = Vec3::Zero();
+  TearAccount account_;
   /// With a coupling: the displacement of the tool, m, and the derivative of displacement_ with
   /// respect to it.
   Vec3 offset_ = Vec3::Zero();

@@ -22,6 +22,8 @@ void validate(const TouchSettings& settings) {
   check(settings.reach, "The reach of active nodes", "m");
   check(settings.coupling_stiffness, "The stiffness of the coupling", "N/m");
   check(settings.fracture_toughness, "The fracture toughness", "J/m^2");
+  check(settings.blade_toughness, "The toughness against the blade", "J/m^2");
+  check(settings.blade_friction, "The friction of the blade", "N");
   check(settings.friction, "The coefficient of friction", "");
 }
 

@@ -29,6 +29,13 @@ struct TouchSettings {
   /// The energy that it takes to open an area of a cut whose stages the space has, J/m²; 0: the cut
   /// stays as it is.
   double fracture_toughness = 0;
+  /// A bonded tool is a blade (blade.h). What it held when it became one stays held where it is, as
+  /// by another hand, until the tool is no blade any more.
+  bool is_blade = false;
+  /// The energy that it takes the blade to cut an area, J/m²; 0: as much as it takes to tear it.
+  double blade_toughness = 0;
+  /// The force that it takes to draw the blade through what is cut, N.
+  double blade_friction = 0;
   /// Coefficient of Coulomb friction between a rigid tool and the body; 0: it glides freely.
   double friction = 0;
 };

@@ -27,7 +27,12 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
         "The state space has no active node and no rigid tool: there is nothing to touch. "
         "Precompute it for one.");
   }
-  if (!space.stages.empty()) torn_ = TornEnergy(space.areas_of_stages());
+  if (space.stages.empty()) {
+    sheet_ = std::make_shared<const CutSheet>();
+  } else {
+    torn_ = TornEnergy(space.areas_of_stages());
+    sheet_ = std::make_shared<const CutSheet>(space.surface, torn_.areas());
+  }
   nodes_.reserve(space.tool_spaces.size());
   for (const TouchToolSpace& tool_space : space.tool_spaces) {
     take_stiffness(tool_space.configurations);
@@ -167,6 +172,8 @@ MemoryRanges Touchable::memory() const {
   add_memory(nodes_, ranges);
   add_memory(node_of_, ranges);
   add_memory(torn_.areas(), ranges);
+  ranges.push_back({sheet_.get(), sizeof *sheet_});
+  sheet_->add_memory(ranges);
   for (const Node& node : nodes_) {
     node.branches.add_memory(ranges);
     add_memory(node.on_branch, ranges);

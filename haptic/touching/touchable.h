@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fields/space_chunk.h"
+#include "haptic/touching/cut_sheet.h"
 #include "interpolation/interpolator.h"
 #include "interpolation/solution_branches.h"
 #include "interpolation/tool_force.h"
@@ -56,6 +57,8 @@ class Touchable {
   /// How the energy goes on between the stages of the cut, if there is one. Then an active node is
   /// one that all stages have, and counts as one of the last stage.
   [[nodiscard]] const TornEnergy& torn() const { return torn_; }
+  /// Where the cut of these stages is.
+  [[nodiscard]] const CutSheet& sheet() const { return *sheet_; }
   /// The index in nodes() of a point of the surface; −1: the point is not active.
   [[nodiscard]] std::int32_t node_of_surface_point(Index point) const { return node_of_[point]; }
   /// The index in nodes() of a point of the mesh of a body; −1: the point is not active.
@@ -96,7 +99,8 @@ class Touchable {
   TouchableOptions options_;
   std::string scene_hash_;
   TornEnergy torn_;
-  /// Bodies that follow each other share it.
+  /// Bodies that follow each other share these.
+  std::shared_ptr<const CutSheet> sheet_;
   std::shared_ptr<const SurfaceTree> surface_;
   /// The nodes in the order of their bodies and mesh points.
   std::vector<Node> nodes_;

@@ -28,7 +28,7 @@ const std::vector<ShownSurface::Carrier>& ShownSurface::carriers_of(BodyId body)
   const auto known = carriers_.find(body);
   if (known != carriers_.end()) return known->second;
   const Surface& of_body = surface_of(body);
-  if (const Surface& shown = surface(); shown.num_of_cut > 0) {
+  if (const Surface& shown = surface(); !shown.stages_of_cut.empty()) {
     // The stages of a cut have the same triangles.
     std::vector<Carrier> same(static_cast<std::size_t>(shown.num_points()));
     for (std::size_t t = 0; t < shown.triangles.size(); ++t) {

@@ -82,16 +82,19 @@ Surface make_surface(const Body& body) {
   }
   std::vector<Index> outside;
   std::vector<Index> of_cut;
+  std::vector<std::int32_t> stages;
+  const std::size_t per_triangle = body.mesh.order == ElementOrder::quadratic ? 4 : 1;
   for (std::size_t f = 0; f < cells.size(); ++f) {
     const Index* corners = &faces[f * per_face];
     const int opposite = corner_opposite(body.mesh.cell(cells[f]), corners);
-    const bool is_of_cut = opens(body.cut.faces[cells[f]][opposite]);
-    std::vector<Index>& to = is_of_cut ? of_cut : outside;
+    const std::int32_t stage = body.cut.faces[cells[f]][opposite];
+    std::vector<Index>& to = opens(stage) ? of_cut : outside;
     to.insert(to.end(), corners, corners + per_face);
+    if (opens(stage)) stages.insert(stages.end(), per_triangle, stage);
   }
   outside.insert(outside.end(), of_cut.begin(), of_cut.end());
   Surface surface = surface_of(body.mesh, triangles_of(body.mesh.order, outside));
-  surface.num_of_cut = triangles_of(body.mesh.order, of_cut).size();
+  surface.stages_of_cut = std::move(stages);
   return surface;
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "assembly/body.h"
@@ -17,13 +18,16 @@ struct Surface {
   std::vector<Index> mesh_points;
   /// Places in `points`, such that triangles look outward. A face of a quadratic body gives four.
   std::vector<std::array<Index, 3>> triangles;
-  /// So many triangles at the end are sides of a cut, which are shown where it opens. All others
-  /// are touched.
-  std::size_t num_of_cut = 0;
+  /// The last triangles are the sides of a cut, which are shown where it opens: the stage at which
+  /// each of them opens. All others are touched.
+  std::vector<std::int32_t> stages_of_cut;
 
   [[nodiscard]] Index num_points() const { return static_cast<Index>(points.size()); }
+  [[nodiscard]] std::ptrdiff_t num_touched() const {
+    return static_cast<std::ptrdiff_t>(triangles.size() - stages_of_cut.size());
+  }
   [[nodiscard]] std::vector<std::array<Index, 3>> touched_triangles() const {
-    return {triangles.begin(), triangles.end() - static_cast<std::ptrdiff_t>(num_of_cut)};
+    return {triangles.begin(), triangles.begin() + num_touched()};
   }
   /// The point of the surface that a point of the mesh is; −1 inside the body.
   [[nodiscard]] Index find(Index mesh_point) const;

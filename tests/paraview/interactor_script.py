@@ -291,10 +291,10 @@ def tears():
     wait(0.5)
     torn = number("tear")
     SaveScreenshot("torn.png", view, ImageResolution=[600, 450])
-    figures = [float(x) for x in re.findall(r"-?[\d.]+(?= (?:mJ|stored|torn|lost))",
+    figures = [float(x) for x in re.findall(r"-?[\d.]+(?= (?:mJ|stored|torn|rubbed|lost))",
                                             part("tear").text())]
     work, *parts = figures
-    assert len(parts) == 3 and abs(work - sum(parts)) < 0.02 and min(parts) > -0.02, figures
+    assert len(parts) == 4 and abs(work - sum(parts)) < 0.02 and min(parts) > -0.02, figures
     assert touch_filter().TornArea > 0
     let_go(end)
     wait(0.3)
@@ -302,6 +302,55 @@ def tears():
     SaveScreenshot("let_go.png", view, ImageResolution=[600, 450])
     click_stop()
     print("torn", torn, *figures)
+
+
+def blade():
+    """The mouse draws a blade through the cut while the body stays held where the mouse has pulled
+    it; what is cut stays cut, and the body is let go of when the tool is no blade any more."""
+    space = space_of_stages(two_stages("cutting"))
+    view = look_at_block(space)
+    wait_for(part("blade").isEnabled, "the space has a cut")
+    click_start("Mouse")
+    wait(0.5)
+    end = drag(pixel_of_node(view, touch_filter()), QtCore.QPoint(0, -4), 6)
+    wait_for(lambda: touches() and number("force") > 0.05, "the mouse pulls")
+    send(Event.MouseButtonRelease, end, buttons=Button.NoButton, modifiers=Modifier.ControlModifier)
+    wait(0.5)
+    held = list(touch_filter().Displacement)
+    assert touches() and max(abs(c) for c in held) > 1e-3, held
+    part("bladeToughness").setValue(30)
+    part("bladeFriction").setValue(0.2)
+    part("blade").click()
+    wait(0.5)
+    assert not touches() and list(touch_filter().Displacement) == held
+    assert "dark line" in said(view), said(view)
+    view.CameraPosition, view.CameraFocalPoint = [0.05, -0.4, 0.09], [0.05, 0.03, 0.03]
+    view.ResetCamera()
+    Render()
+    wait(0.3)
+    click(pixel_of(view, [0.09, 0, 0.05]))
+    wait_for(lambda: "mm away" in said(view), "it says where the cut is")
+    mouth = pixel_of(view, [0.001, 0, HEIGHT])
+    far = pixel_of(view, [0.02, 0, HEIGHT])
+    end = drag(mouth, QtCore.QPoint((far.x() - mouth.x()) // 8, 0), 8)
+    wait_for(lambda: number("tear") > 0, "it cuts")
+    wait(0.5)
+    assert part("state").text().endswith("cutting"), part("state").text()
+    cut, force = number("tear"), number("force")
+    figures = [float(x) for x in
+               re.findall(r"-?[\d.]+(?= (?:mJ|stored|torn|rubbed|lost))", part("tear").text())]
+    work, *parts = figures
+    assert len(parts) == 4 and abs(work - sum(parts)) < 0.02 and min(parts) > -0.02, figures
+    assert list(touch_filter().Displacement) == held and touch_filter().TornArea > 0
+    SaveScreenshot("blade.png", view, ImageResolution=[600, 450])
+    send(Event.MouseButtonRelease, end, buttons=Button.NoButton)
+    wait_for(lambda: not touches(), "the blade is outside")
+    part("blade").click()
+    wait_for(lambda: list(touch_filter().Displacement) == [0, 0, 0], "the body is let go of")
+    assert number("tear") == cut
+    SaveScreenshot("cut_open.png", view, ImageResolution=[600, 450])
+    click_stop()
+    print("bladed", cut, force, *figures)
 
 
 def cut_in_view(boundary, make_space):
@@ -638,6 +687,6 @@ def goes_on(leave):
 # In the loop of events, as what a person does.
 QtCore.QTimer.singleShot(300, lambda: run_in_turn(
     {"touching": touching, "dots": dots, "escape": escape, "busy": busy, "mouse": mouse,
-     "tears": tears, "cuts": cuts, "cuts_pressed": cuts_pressed, "road": road, "ends": ends,
+     "tears": tears, "blade": blade, "cuts": cuts, "cuts_pressed": cuts_pressed, "road": road, "ends": ends,
      "remote": remote, "lost": lost,
      "quit": lambda: goes_on(application.quit), "close": lambda: goes_on(window.close)}))

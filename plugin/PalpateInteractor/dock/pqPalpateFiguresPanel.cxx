@@ -128,12 +128,14 @@ void pqPalpateFiguresPanel::show(const pqPalpateTouch::Figures& f)
   ShowRow(this->Explored, !f.Explored.isEmpty());
   this->Explored->setText(f.Explored);
   ShowRow(this->Tear, f.HasCut);
-  this->Tear->setText(QString("%1 cm²: %2 mJ = %3 stored + %4 torn + %5 lost")
+  const double lost = f.HandWork - f.Stored - f.TornWork - f.FrictionWork;
+  this->Tear->setText(QString("%1 cm²: %2 mJ = %3 stored + %4 torn + %5 rubbed + %6 lost")
                         .arg(1e4 * f.TornArea, 0, 'f', 2)
                         .arg(1e3 * f.HandWork, 0, 'f', 2)
                         .arg(1e3 * f.Stored, 0, 'f', 2)
                         .arg(1e3 * f.TornWork, 0, 'f', 2)
-                        .arg(1e3 * (f.HandWork - f.Stored - f.TornWork), 0, 'f', 2));
+                        .arg(1e3 * f.FrictionWork, 0, 'f', 2)
+                        .arg(1e3 * lost, 0, 'f', 2));
   const palpate::TouchMeshError& mesh = f.MeshError;
   ShowRow(this->Mesh, mesh.trust != palpate::MeshErrorTrust::none);
   const bool isReliable = mesh.trust == palpate::MeshErrorTrust::reliable;

@@ -55,6 +55,18 @@ pqPalpateSettingsPanel::pqPalpateSettingsPanel(QFormLayout* form, QObject* paren
     "The energy that it takes to open an area of the cut, for a space with its stages. Soft tissue "
     "has 10 to 500 J/m². What is torn stays so until touching begins anew.");
   this->Toughness->setSpecialValueText("does not tear");
+  this->Blade = pqPalpateNamed(new QCheckBox("Is a blade"), "blade",
+    "The tool opens the cut of a space with its stages: it goes in where the cut begins or is "
+    "open, "
+    "and is drawn along the cut. What the tool holds when it becomes a blade stays held there, as "
+    "by "
+    "another hand.");
+  this->BladeToughness = pqPalpateNamed(NumberBox(settings.BladeToughness, 10000, 10, " J/m²"),
+    "bladeToughness", "The energy that it takes the blade to open an area of the cut.");
+  this->BladeToughness->setSpecialValueText("as to tear");
+  this->BladeFriction = pqPalpateNamed(NumberBox(settings.BladeFriction, 100, 0.1, " N"),
+    "bladeFriction", "The force that it takes to draw the blade through what is cut.");
+  this->BladeFriction->setSpecialValueText("none");
   this->Grasps = pqPalpateNamed(new QCheckBox("With the last button"), "grasps",
     "A rigid tool that presses near an active node takes hold of it, and lets go with the button. "
     "With the mouse that is Ctrl.");
@@ -72,6 +84,9 @@ pqPalpateSettingsPanel::pqPalpateSettingsPanel(QFormLayout* form, QObject* paren
   form->addRow("Lets go above", this->ReleaseForce);
   form->addRow("Friction", this->Friction);
   form->addRow("Toughness", this->Toughness);
+  form->addRow("Blade", this->Blade);
+  form->addRow("Its toughness", this->BladeToughness);
+  form->addRow("Its friction", this->BladeFriction);
   form->addRow("Grasp", this->Grasps);
   this->InTissue = pqPalpateNamed(new QCheckBox("In the colour of tissue"), "inTissue",
     "The body at rest is seen in the colour of tissue, and the pressure on it, or how far it is "
@@ -93,14 +108,15 @@ pqPalpateSettingsPanel::pqPalpateSettingsPanel(QFormLayout* form, QObject* paren
   form->addRow("Explorers", this->Explorers);
   form->addRow("Others at", this->Endpoint);
   form->addRow("Keys", this->Keys);
-  for (QDoubleSpinBox* box : { this->WorkspaceScale, this->ForceScale, this->ForceLimit,
-         this->ReleaseForce, this->Friction, this->Toughness })
+  for (QDoubleSpinBox* box :
+    { this->WorkspaceScale, this->ForceScale, this->ForceLimit, this->ReleaseForce, this->Friction,
+      this->Toughness, this->BladeToughness, this->BladeFriction })
   {
     QObject::connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
       &pqPalpateSettingsPanel::changed);
   }
-  for (QCheckBox* box :
-    { this->FollowsCamera, this->Bonded, this->Grasps, this->NeedsButton, this->InTissue })
+  for (QCheckBox* box : { this->FollowsCamera, this->Bonded, this->Blade, this->Grasps,
+         this->NeedsButton, this->InTissue })
   {
     QObject::connect(box, &QCheckBox::toggled, this, &pqPalpateSettingsPanel::changed);
   }
@@ -119,6 +135,9 @@ pqPalpateRun::Settings pqPalpateSettingsPanel::settings() const
   settings.ReleaseForce = this->ReleaseForce->value();
   settings.Friction = this->Friction->value();
   settings.FractureToughness = this->Toughness->value();
+  settings.IsBlade = this->Blade->isEnabled() && this->Blade->isChecked();
+  settings.BladeToughness = this->BladeToughness->value();
+  settings.BladeFriction = this->BladeFriction->value();
   settings.GraspsWithButton = this->Grasps->isEnabled() && this->Grasps->isChecked();
   // The tick counts also while it is disabled: it is not given up because another device is chosen.
   settings.NeedsButton = this->NeedsButton->isChecked();
@@ -134,6 +153,11 @@ void pqPalpateSettingsPanel::enable(const Situation& situation)
   this->Present = situation;
   this->NeedsButton->setEnabled(situation.HasRealDevice);
   this->Toughness->setEnabled(situation.HasCut);
+  for (QWidget* of : { static_cast<QWidget*>(this->Blade),
+         static_cast<QWidget*>(this->BladeToughness), static_cast<QWidget*>(this->BladeFriction) })
+  {
+    of->setEnabled(situation.HasCut && !situation.IsRigid && !situation.IsReduced);
+  }
   for (QWidget* of : std::initializer_list<QWidget*>{ this->Explorers, this->Endpoint, this->Keys })
   {
     of->setEnabled(situation.IsExplored && !situation.IsTouching);

@@ -46,6 +46,9 @@ private:
   QDoubleSpinBox* ReleaseForce = nullptr;
   QDoubleSpinBox* Friction = nullptr;
   QDoubleSpinBox* Toughness = nullptr;
+  QCheckBox* Blade = nullptr;
+  QDoubleSpinBox* BladeToughness = nullptr;
+  QDoubleSpinBox* BladeFriction = nullptr;
   QCheckBox* Grasps = nullptr;
   QCheckBox* NeedsButton = nullptr;
   QCheckBox* InTissue = nullptr;

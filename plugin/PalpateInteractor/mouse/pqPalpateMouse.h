@@ -38,6 +38,10 @@ public:
 
   /// Whether the tool is to be bonded to what it touches.
   virtual bool IsHolding() const { return false; }
+  /// How far what the tool takes hold of may be from it, m; 0: as far as it is without the mouse.
+  virtual double GetReach() const { return 0; }
+  /// Whether the tool is a blade from now on.
+  virtual void SetBlade(bool /*isBlade*/) {}
   /// Whether the tool is to be drawn, though it may touch nothing.
   virtual bool ShowsTool() const { return false; }
 

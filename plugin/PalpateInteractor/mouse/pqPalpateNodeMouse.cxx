@@ -2,6 +2,7 @@
 #include "pqPalpateNodeMouse.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -16,6 +17,10 @@ constexpr double Overshoot = 0.002;
 /// A drag ends at this share of the half-width, so that it stays within the space however the board
 /// rounds.
 constexpr double Within = 0.999;
+/// The reach of a blade, as a share of the body's diagonal, and how far beside the sheet the mouse
+/// leads it, as a share of the reach.
+constexpr double ReachOfBlade = 0.05;
+constexpr double Beside = 0.5;
 }
 
 pqPalpateNodeMouse::pqPalpateNodeMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
@@ -27,7 +32,32 @@ pqPalpateNodeMouse::pqPalpateNodeMouse(vtkSMRenderViewProxy* view, const palpate
   {
     this->HalfWidths.push_back(toolSpace.setup.grid.half_width);
   }
-  this->Hint = "Press the left button on the body\nnear a black dot, and drag.";
+  this->PutHint();
+}
+
+void pqPalpateNodeMouse::PutHint()
+{
+  this->Hint = this->IsBlade
+    ? "Press the left button on the dark line\nwhere the cut begins or is open, and drag."
+    : "Press the left button on the body\nnear a black dot, and drag.";
+}
+
+void pqPalpateNodeMouse::SetBlade(bool isBlade)
+{
+  if (isBlade == this->IsBlade)
+  {
+    return;
+  }
+  this->IsBlade = isBlade;
+  this->Pressed = false;
+  this->PutHint();
+  // What is held stays held as the tool becomes a blade, and is let go of as it was one.
+  this->Phase = Phases::Away;
+}
+
+double pqPalpateNodeMouse::GetReach() const
+{
+  return this->IsBlade ? ReachOfBlade * this->Size : 0;
 }
 
 void pqPalpateNodeMouse::GoOnFrom(const pqPalpateMouse& mouse)
@@ -46,32 +76,58 @@ void pqPalpateNodeMouse::GoOnFrom(const pqPalpateMouse& mouse)
   }
   this->TakeOver(mouse);
   this->Phase = other->Phase;
+  this->IsBlade = other->IsBlade;
   this->Wanted = other->Wanted;
-  this->Node = other->Node;
-  this->Normal = other->Normal;
-  this->Grip = other->Grip;
+  this->Held = other->Held;
+  this->TornArea = other->TornArea;
+  this->Pressing = other->Pressing;
   this->Depth = other->Depth;
   this->Displacement = other->Displacement;
+}
+
+bool pqPalpateNodeMouse::FindNode(const Vec3& pressed, Grip& grip)
+{
+  grip.Node =
+    this->Body->nearest(pressed, std::max(Reach * this->Size, this->Body->largest_tip_radius()));
+  if (grip.Node < 0)
+  {
+    const int nearest = this->Body->nearest(pressed, std::numeric_limits<double>::infinity());
+    this->Hint = this->WayTo("Press near a black dot: the nearest is",
+      this->Body->nodes()[nearest].rest_position, pressed);
+    return false;
+  }
+  grip.Place = this->Body->nodes()[grip.Node].rest_position;
+  return true;
+}
+
+bool pqPalpateNodeMouse::FindCut(const Vec3& pressed, Grip& grip)
+{
+  // As Blade::enter() has it.
+  const palpate::CutSheet::Nearest at =
+    this->Body->sheet().nearest(pressed, std::max(this->TornArea, this->Body->torn().areas()[1]));
+  const palpate::SurfaceTree::Nearest mouth = this->Body->surface().nearest(at.point);
+  if (at.distance > this->GetReach() || std::abs(mouth.distance) > this->GetReach())
+  {
+    this->Hint = this->WayTo("Press where the cut begins or is open: it is", mouth.point, pressed);
+    return false;
+  }
+  grip.Place = mouth.point;
+  return true;
 }
 
 bool pqPalpateNodeMouse::Press()
 {
   Vec3 place;
-  if (!this->Find(place))
+  Grip grip;
+  if (!this->Find(place) ||
+    !(this->IsBlade ? this->FindCut(place, grip) : this->FindNode(place, grip)))
   {
     return false;
   }
-  this->Wanted =
-    this->Body->nearest(place, std::max(Reach * this->Size, this->Body->largest_tip_radius()));
-  if (this->Wanted < 0)
-  {
-    const int nearest = this->Body->nearest(place, std::numeric_limits<double>::infinity());
-    this->Hint = this->WayTo(
-      "Press near a black dot: the nearest is", this->Body->nodes()[nearest].rest_position, place);
-    return false;
-  }
+  grip.Normal = this->Body->surface().nearest(grip.Place).normal;
   this->Hint.clear();
-  this->Grip = place;
+  this->Wanted = grip;
+  this->Pressing = place;
   this->Depth.setZero();
   this->Displacement.setZero();
   return true;
@@ -85,33 +141,55 @@ void pqPalpateNodeMouse::Turn(int notches)
 
 void pqPalpateNodeMouse::Drag()
 {
-  const Vec3 moved = this->PointUnderCursor(this->Grip) - this->Grip + this->Depth;
+  const Vec3 moved = this->PointUnderCursor(this->Pressing) - this->Pressing + this->Depth;
+  if (this->Wanted.Node < 0)
+  {
+    this->Displacement = moved;
+    return;
+  }
   // The displacement is cut to the tool space.
-  const double most = Within * this->HalfWidths[this->Wanted];
+  const double most = Within * this->HalfWidths[this->Wanted.Node];
   const double least = moved.cwiseAbs().maxCoeff();
   this->Displacement = least > most ? Vec3(most / least * moved) : moved;
 }
 
 Vec3 pqPalpateNodeMouse::Outside() const
 {
-  return this->Body->nodes()[this->Node].rest_position + Clearance * this->Size * this->Normal;
+  return this->Held.Place + Clearance * this->Size * this->Held.Normal;
+}
+
+Vec3 pqPalpateNodeMouse::Dragged(const palpate::Contact& contact) const
+{
+  if (this->Held.Node >= 0)
+  {
+    return contact.anchor + this->Displacement;
+  }
+  // The mouse moves in the plane of the view, which need not be that of the cut.
+  const Vec3 place = this->Held.Place + this->Displacement;
+  const palpate::CutSheet::Nearest at =
+    this->Body->sheet().nearest(place, std::numeric_limits<double>::infinity());
+  const double most = Beside * this->GetReach();
+  return at.distance > most ? Vec3(at.point + most / at.distance * (place - at.point)) : place;
 }
 
 void pqPalpateNodeMouse::Advance(const palpate::Tick& tick)
 {
-  const bool attached = tick.contact.status == palpate::ContactStatus::attached;
+  this->TornArea = tick.contact.torn_area;
+  const bool attached = tick.contact.status ==
+    (this->IsBlade ? palpate::ContactStatus::cutting : palpate::ContactStatus::attached);
+  if (this->Phase == Phases::Kept && this->Pressed)
+  {
+    this->Phase = Phases::Leaving;
+  }
   if (this->Phase == Phases::Away && this->Pressed)
   {
-    this->Node = this->Wanted;
-    const Vec3& rest = this->Body->nodes()[this->Node].rest_position;
-    this->Normal = this->Body->surface().nearest(rest).normal;
+    this->Held = this->Wanted;
     this->PutTo(this->Outside());
     this->Phase = Phases::Coming;
   }
   else if (this->Phase == Phases::Coming)
   {
-    this->SetTarget(
-      this->Body->nodes()[this->Node].rest_position - Overshoot * this->Size * this->Normal);
+    this->SetTarget(this->Held.Place - Overshoot * this->Size * this->Held.Normal);
     if (attached)
     {
       this->Phase = Phases::Holding;
@@ -123,13 +201,14 @@ void pqPalpateNodeMouse::Advance(const palpate::Tick& tick)
   }
   if (this->Phase == Phases::Holding)
   {
-    if (this->Pressed && this->Wanted == this->Node)
+    if (this->Pressed && this->Wanted == this->Held)
     {
-      this->SetTarget(tick.contact.anchor + this->Displacement);
+      this->SetTarget(this->Dragged(tick.contact));
     }
     else
     {
-      this->Phase = Phases::Leaving;
+      const bool stays = !this->IsBlade && this->Body->torn().is_cut() && this->CtrlIsHeld();
+      this->Phase = stays ? Phases::Kept : Phases::Leaving;
     }
   }
   if (this->Phase == Phases::Leaving)

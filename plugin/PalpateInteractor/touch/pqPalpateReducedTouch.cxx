@@ -42,6 +42,7 @@ QString WordsOfHold(palpate::ContactStatus status)
       return "not held until the hand was outside";
     case palpate::ContactStatus::attached:
     case palpate::ContactStatus::pressing:
+    case palpate::ContactStatus::cutting:
       return "held";
   }
   return {};

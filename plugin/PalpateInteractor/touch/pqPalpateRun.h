@@ -60,6 +60,12 @@ public:
     /// The energy that it takes to open a cut whose stages the space has, J/m²; 0: it does not
     /// tear.
     double FractureToughness = 0;
+    /// Whether the tool is a blade, which opens such a cut.
+    bool IsBlade = false;
+    /// The energy that this takes, J/m²; 0: as much as it takes to tear. The force that draws the
+    /// blade through what is cut, N.
+    double BladeToughness = 0;
+    double BladeFriction = 0;
     /// Coefficient of friction of a rigid tool.
     double Friction = 0;
     /// Who explores a space that is explored around the hand; as it is when touching begins.

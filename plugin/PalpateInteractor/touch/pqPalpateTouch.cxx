@@ -55,6 +55,8 @@ QString Words(palpate::ContactStatus status)
       return "touching";
     case palpate::ContactStatus::pressing:
       return "pressing";
+    case palpate::ContactStatus::cutting:
+      return "cutting";
   }
   return {};
 }
@@ -207,7 +209,7 @@ struct pqPalpateTouch::Session : pqPalpateRun::Session
       const palpate::SurfaceTree& surface = this->Body->surface();
       return std::max(0.0, palpate::depth_in_body(surface, this->RigidTool, contact.anchor));
     }
-    return palpate::touches(contact.status) ? contact.displacement.norm() : -1;
+    return contact.status == palpate::ContactStatus::attached ? contact.displacement.norm() : -1;
   }
 
   /// A place where a rigid tool touches nothing, m.
@@ -379,9 +381,14 @@ void pqPalpateTouch::applySettings()
   session.TouchSettings.release_force = this->Current.ReleaseForce;
   session.TouchSettings.friction = this->Current.Friction;
   session.TouchSettings.fracture_toughness = this->Current.FractureToughness;
+  session.TouchSettings.is_blade = this->Current.IsBlade && session.Body->torn().is_cut();
+  session.TouchSettings.blade_toughness = this->Current.BladeToughness;
+  session.TouchSettings.blade_friction = this->Current.BladeFriction;
   if (hand.Mouse)
   {
+    hand.Mouse->SetBlade(session.TouchSettings.is_blade);
     session.TouchSettings.bonded = hand.Mouse->IsHolding();
+    session.TouchSettings.reach = hand.Mouse->GetReach();
     // The mouse pulls no hand, so that it never has to let go.
     session.TouchSettings.release_force = 0;
   }
@@ -534,7 +541,8 @@ void pqPalpateTouch::show()
   const palpate::Contact& contact = tick.contact;
   const bool touches = palpate::touches(contact.status);
   const bool presses = contact.status == palpate::ContactStatus::pressing;
-  const bool holds = touches && !presses;
+  // What is held stays so while a blade is moved.
+  const bool holds = contact.nodes[0] >= 0;
   const int node = holds ? contact.nodes[0] : presses ? -1 : session.Node;
   const palpate::BodyId body = holds ? contact.bodies[0]
     : presses                        ? palpate::kFirstBody
@@ -546,9 +554,11 @@ void pqPalpateTouch::show()
   const bool moved = grew || node != session.Node || body != session.OnBody ||
     branch != session.Branch || contact.torn_area != session.TornArea ||
     displacement != session.Displacement || pressed != session.Pressed;
+  // Where a blade stands still, its force may change.
+  const bool cuts = contact.status == palpate::ContactStatus::cutting;
   const bool showsFree = !mouse || mouse->ShowsTool();
   const bool says = mouse && session.Tool->Say(mouse->GetHint());
-  if (!moved && !says && touches == session.Touches && showsFree == session.ShowsFree &&
+  if (!moved && !says && !cuts && touches == session.Touches && showsFree == session.ShowsFree &&
     (!showsFree || tick.position == session.Place))
   {
     session.BodyView->Rest();
@@ -594,7 +604,7 @@ pqPalpateHeldTool pqPalpateTouch::heldTool() const
   const palpate::Contact contact = this->session()->Hand.Servo->latest().contact;
   held.Touches = palpate::touches(contact.status);
   const bool presses = contact.status == palpate::ContactStatus::pressing;
-  held.Node = held.Touches && !presses ? contact.nodes[0] : -1;
+  held.Node = contact.nodes[0];
   const Vec3& place = presses ? contact.anchor : contact.displacement;
   held.Place = { place[0], place[1], place[2] };
   return held;
@@ -625,6 +635,7 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
   figures.HandWork = tick.contact.hand_work;
   figures.Stored = tick.contact.energy;
   figures.TornWork = tick.contact.torn_work;
+  figures.FrictionWork = tick.contact.friction_work;
   figures.Dissipated = tick.dissipated;
   figures.Damping = tick.added_damping;
   if (tick.contact.status == palpate::ContactStatus::attached)

@@ -47,6 +47,7 @@ public:
     double HandWork = 0;
     double Stored = 0;
     double TornWork = 0;
+    double FrictionWork = 0;
     /// How deep a rigid tool is in the body at rest, or how far the tool has moved its node, m;
     /// below 0: the tool touches nothing.
     double Depth = -1;

@@ -26,6 +26,7 @@
 #include "vtkTextActor.h"
 #include "vtkTextProperty.h"
 #include "vtkTrivialProducer.h"
+#include "vtkTubeFilter.h"
 
 namespace
 {
@@ -36,6 +37,7 @@ constexpr double LongestArrow = 0.4;
 constexpr double ShortestArrow = 0.08;
 constexpr double NodeRadius = 0.008;
 constexpr double RimRadius = 0.012;
+constexpr double MouthRadius = 0.003;
 
 constexpr int TextSize = 14;
 /// The place of the text at the top, as a share of the height of the view.
@@ -62,6 +64,7 @@ double ToolColour[3] = { 0.95, 0.75, 0.1 };
 double ForceColour[3] = { 0.05, 0.55, 0.25 };
 double MouseColour[3] = { 0.1, 0.35, 0.9 };
 constexpr double ToolOpacity = 0.35;
+double MouthColour[3] = { 0.35, 0, 0.05 };
 double VeilColour[3] = { 0.8, 0.8, 0.8 };
 constexpr double VeilOpacity = 0.75;
 /// The part of a colour that does not depend on the light.
@@ -86,14 +89,21 @@ void SetStyle(vtkTextActor* text, int size)
 std::string InNumbers(const palpate::Contact& contact, double force, double depth, double towards,
   const std::string& beyond)
 {
-  const bool presses = contact.status == palpate::ContactStatus::pressing;
   char text[160];
   const char* way = towards > EndOn ? " towards you" : towards < -EndOn ? " away from you" : "";
   const std::string where = contact.support == palpate::Support::marked ? "\n in a marked region "
     : contact.support == palpate::Support::extrapolated                 ? "\n " + beyond + " "
                                                                         : std::string();
-  std::snprintf(text, sizeof text, " %.*f N%s \n %.1f mm %s %s", force < SmallForce ? 3 : 2, force,
-    way, 1e3 * depth, presses ? "deep" : "moved", where.c_str());
+  const int digits = force < SmallForce ? 3 : 2;
+  if (contact.status == palpate::ContactStatus::cutting)
+  {
+    std::snprintf(text, sizeof text, " %.*f N%s \n %.2f cm² open ", digits, force, way,
+      1e4 * contact.torn_area);
+    return text;
+  }
+  const bool presses = contact.status == palpate::ContactStatus::pressing;
+  std::snprintf(text, sizeof text, " %.*f N%s \n %.1f mm %s %s", digits, force, way, 1e3 * depth,
+    presses ? "deep" : "moved", where.c_str());
   return text;
 }
 
@@ -165,6 +175,10 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
   this->ShortestArrow = ::ShortestArrow * size;
 
   this->MakeNodes(points, size);
+  if (!space.stages.empty())
+  {
+    this->MakeMouth(space.surface, size);
+  }
 
   if (rigid)
   {
@@ -173,7 +187,9 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
   }
   else
   {
-    this->MakeTip(std::max(ToolRadius * size, body.largest_tip_radius()));
+    const double radius = std::max(ToolRadius * size, body.largest_tip_radius());
+    this->MakeTip(radius);
+    this->BladeScale = ToolRadius * size / radius;
   }
   this->MakeActors(view);
 }
@@ -260,6 +276,27 @@ void pqPalpateToolView::MakeRigidTool(const palpate::RigidTool& tool)
   this->Tool->GetProperty()->SetOpacity(ToolOpacity);
 }
 
+void pqPalpateToolView::MakeMouth(const palpate::Surface& surface, double size)
+{
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> lines;
+  for (const auto& [a, b] : palpate::mouth_of_cut(surface))
+  {
+    lines->InsertNextCell({ points->InsertNextPoint(a.data()), points->InsertNextPoint(b.data()) });
+  }
+  vtkNew<vtkPolyData> mouth;
+  mouth->SetPoints(points);
+  mouth->SetLines(lines);
+  // Tubes are thicker than what the body moves there when it is pulled a little.
+  vtkNew<vtkTubeFilter> tubes;
+  tubes->SetInputData(mouth);
+  tubes->SetRadius(MouthRadius * size);
+  tubes->SetNumberOfSides(8);
+  SetMapper(this->Mouth, tubes->GetOutputPort(), BeforeBody);
+  this->Mouth->GetProperty()->SetColor(MouthColour);
+  this->Mouth->GetProperty()->LightingOff();
+}
+
 void pqPalpateToolView::MakeVeil(
   const palpate::Surface& surface, const std::vector<char>& pressable)
 {
@@ -320,10 +357,12 @@ void pqPalpateToolView::Show(const palpate::Tick& tick, bool free, double depth)
 {
   const palpate::Contact& contact = tick.contact;
   const bool touches = palpate::touches(contact.status);
-  const palpate::Vec3 place =
-    touches ? palpate::Vec3(contact.anchor + contact.displacement) : tick.position;
+  const palpate::Vec3 place = touches ? contact.tool_place() : tick.position;
   this->Tool->SetVisibility(touches || free);
   this->Tool->SetPosition(place.x(), place.y(), place.z());
+  // The tip of a blade is small, whatever the nodes are moved by.
+  const bool cuts = contact.status == palpate::ContactStatus::cutting;
+  this->Tool->SetScale(cuts ? this->BladeScale : 1);
   this->ShowForce(contact, place, depth);
 }
 

@@ -56,7 +56,7 @@ public:
 
 private:
   /// The actors in the order in which they are drawn.
-  std::array<vtkActor*, 5> GetActors() { return { Rims, Nodes, Veil, Tool, Arrow }; }
+  std::array<vtkActor*, 6> GetActors() { return { Rims, Nodes, Veil, Mouth, Tool, Arrow }; }
   void MakeNodes(vtkPoints* places, double size);
   /// Makes the other actors, and adds all of them to the view.
   void MakeActors(vtkSMRenderViewProxy* view);
@@ -66,6 +66,7 @@ private:
   void PlaceNumbers(const palpate::Vec3& place);
   void MakeTip(double radius);
   void MakeRigidTool(const palpate::RigidTool& tool);
+  void MakeMouth(const palpate::Surface& surface, double size);
   void MakeVeil(const palpate::Surface& surface, const std::vector<char>& pressable);
 
   vtkWeakPointer<vtkRenderer> Renderer;
@@ -73,6 +74,8 @@ private:
   vtkNew<vtkActor> Nodes;
   vtkNew<vtkActor> Rims;
   vtkNew<vtkActor> Veil;
+  /// Where a cut that opens meets the surface.
+  vtkNew<vtkActor> Mouth;
   vtkNew<vtkActor> Tool;
   vtkNew<vtkActor> Arrow;
   vtkNew<vtkTextActor> Text;
@@ -82,6 +85,8 @@ private:
   std::string Beyond;
   /// Length of the arrow for a newton of the body, m.
   double ArrowScale = 0;
+  /// The size of the tip of a blade, in those of the tool's.
+  double BladeScale = 1;
   /// The least length of the arrow, m.
   double ShortestArrow = 0;
 };

@@ -129,6 +129,7 @@ class PalpateServo(ProgramTest):
                 ("--coupling", -1, "coupling"),
                 ("--depth", 1, "--depth"), ("--depth", "inf", "--depth"),
                 ("--scale", 1e-9, "at 6e-11 m"), ("--force-scale", -1, "is -1. Give"),
+                ("--blade-friction", -1, "friction of the blade"),
                 ("--what", 1, "--what"),
                 ("--record", self.path("none/a.csv"), "none/a.csv"),
                 ("--record", text, "text.palpate", "already"),
@@ -136,6 +137,8 @@ class PalpateServo(ProgramTest):
                 ("--replay", self.path("none.csv"), "none.csv"), ("--replay", text, "recording")):
             with self.subTest(option=option, value=value):
                 self.expect_error([self.space, option, value], *words)
+
+        self.expect_error([self.space, "--blade"], "stages of a cut")
 
     def test_a_replay_takes_no_other_settings(self):
         for option in (["--force-limit", 1], ["--method", "trilinear"], ["--bonded"],

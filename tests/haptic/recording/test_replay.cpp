@@ -151,8 +151,8 @@ TEST_F(Replay, ARecordingWithoutNewerColumnsIsRead) {
     return begin;
   };
   // The versions before, of which each had fewer columns before the settings.
-  for (const char* first :
-       {",mesh_error_x_N,", ",body_0,body_1,body_2,", ",trust,body_0,body_1,body_2,"}) {
+  for (const char* first : {",friction_work_J,", ",torn_area_m2,", ",mesh_error_x_N,",
+                            ",body_0,body_1,body_2,", ",trust,body_0,body_1,body_2,"}) {
     const std::size_t at = rows[0].find(first);
     ASSERT_NE(at, std::string::npos);
     const auto begin = static_cast<std::ptrdiff_t>(at);

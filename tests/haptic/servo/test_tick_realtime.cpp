@@ -12,16 +12,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <iterator>
 #include <mutex>
 #include <utility>
 
 #include "haptic/profile/palpate_report.h"
 #include "haptic/servo/loop.h"
-#include "haptic/support/analytic_body.h"
+#include "haptic/support/torn_box.h"
 #include "haptic/touching/body_touch.h"
 #include "solvers/support/allocations.h"
 
@@ -76,7 +78,11 @@ class MemoryBoard final : public Transport {
   }
   TransportStatus write(const Report& report) noexcept override {
     palpate_report::Output output;
-    if (palpate_report::decode_output(report, output) && output.force[2] != 0) ++num_forces;
+    if (palpate_report::decode_output(report, output) &&
+        std::any_of(std::begin(output.force), std::end(output.force),
+                    [](auto component) { return component != 0; })) {
+      ++num_forces;
+    }
     return TransportStatus::data;
   }
   GuardianChannel* guardian() noexcept override { return &guardian_; }
@@ -92,17 +98,28 @@ class MemoryBoard final : public Transport {
 };
 
 struct Scene {
-  explicit Scene(double coupling)
+  explicit Scene(double coupling, bool cuts = false)
       : profile(palpate_report::Feature{}), loop(board, profile, clock, {}, inbox, outbox) {
-    offer_body(100);
+    const auto offer = [&](double stiffness) { cuts ? offer_cut() : offer_body(stiffness); };
+    offer(100);
     inbox.recording.offer(std::make_shared<TickRing>(64));
     LoopInbox::Settings settings;
     settings.servo.workspace_centre = Vec3(test::kBox[0] / 2, test::kBox[1] / 2, test::kBox[2]);
     settings.touch.coupling_stiffness = coupling;
+    if (cuts) {
+      settings.servo.workspace_centre.x() = 0;
+      settings.touch.is_blade = true;
+      settings.touch.blade_toughness = test::kToughness;
+      settings.touch.blade_friction = 0.001;
+    }
     inbox.settings.write(settings);
-    while (loop.last().contact.status != ContactStatus::attached) run(1);
+    while (!touches(loop.last().contact.status)) run(1);
     // Is taken at the next tick, while it is touched.
-    offer_body(150);
+    offer(150);
+  }
+  void offer_cut() {
+    inbox.touch.offer(
+        make_touch(std::make_shared<const Touchable>(test::torn_box(test::top_points()))));
   }
   void offer_body(double stiffness) {
     inbox.touch.offer(make_touch(std::make_shared<const Touchable>(
@@ -127,18 +144,20 @@ constexpr int kTicks = 5000;
 
 #ifdef PALPATE_COUNTS
 TEST(TickRealtime, NoAllocationAndNoLock) {
-  for (double coupling : {0.0, 300.0}) {
-    Scene scene(coupling);
+  for (const auto& [coupling, cuts] :
+       {std::pair(0.0, false), std::pair(300.0, false), std::pair(300.0, true)}) {
+    Scene scene(coupling, cuts);
     const long allocations = test::num_allocations();
     const long locks = num_locks;
     ASSERT_GT(allocations, 0) << "allocations are not counted";
     scene.run(kTicks);
     EXPECT_EQ(test::num_allocations(), allocations);
     EXPECT_EQ(num_locks, locks);
-    EXPECT_GT(scene.board.num_forces, kTicks / 4);
+    EXPECT_GT(scene.board.num_forces, cuts ? kTicks / 8 : kTicks / 4);
     EXPECT_GT(scene.outbox.newest.read().counters.stale_ticks, 90U);
     EXPECT_EQ(scene.outbox.newest.read().counters.trips_by_guardian, 1U);
     EXPECT_EQ(scene.loop.last().state, ServoState::gone);
+    EXPECT_EQ(scene.loop.last().contact.torn_area > 0, cuts);
   }
 }
 
@@ -204,8 +223,9 @@ TEST(TickRealtime, NoCallOfTheSystem) {
     GTEST_SKIP() << "calls cannot be filtered here";
   }
   ASSERT_TRUE(WIFSIGNALED(of_a_call) && WTERMSIG(of_a_call) == SIGSYS) << "the filter does nothing";
-  for (double coupling : {0.0, 300.0}) {
-    Scene scene(coupling);
+  for (const auto& [coupling, cuts] :
+       {std::pair(0.0, false), std::pair(300.0, false), std::pair(300.0, true)}) {
+    Scene scene(coupling, cuts);
     const int of_ticks = status_of_child([&] { scene.run(kTicks); });
     EXPECT_TRUE(WIFEXITED(of_ticks) && WEXITSTATUS(of_ticks) == 0)
         << "ended by signal " << WTERMSIG(of_ticks);

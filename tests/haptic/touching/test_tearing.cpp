@@ -6,47 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "haptic/support/analytic_body.h"
+#include "haptic/support/torn_box.h"
 #include "haptic/touching/body_touch.h"
 
 namespace palpate::test::test_tearing {
 namespace {
-
-const std::vector<double> kAreas{0, 1e-4, 2e-4, 3e-4, 4e-4};
-/// J/m². The whole cut takes 0.4 mJ.
-constexpr double kToughness = 1;
-
-/// How stiff the body is when an area is open, N/m: G = ½ q² 8e4 at a displacement q.
-double stiffness_at(double area) { return 60 - 8e4 * area; }
-
-/// The last stage is the first body.
-TouchSpace torn_box(const std::vector<Index>& nodes) {
-  TouchSpace space;
-  const auto num_stages = static_cast<BodyId>(kAreas.size());
-  for (BodyId body = 1; body <= num_stages; ++body) {
-    const double area = kAreas[static_cast<std::size_t>(num_stages - body)];
-    TouchSpace stage = box_space([&](int) { return stiffening_spring(stiffness_at(area)); }, nodes);
-    if (body == 1) space.surface = stage.surface;
-    for (TouchToolSpace& tool_space : stage.tool_spaces) {
-      tool_space.setup.id = tool_space.setup.interaction.active_node;
-      tool_space.setup.body = body;
-      space.tool_spaces.push_back(std::move(tool_space));
-    }
-    space.stages.insert(space.stages.begin(), {body, area});
-  }
-  space.scene_hash = "torn";
-  return space;
-}
-
-/// The inner points of the top.
-std::vector<Index> top_points() {
-  std::vector<Index> nodes;
-  for (const TouchToolSpace& tool_space :
-       box_space([](int) { return stiffening_spring(1); }).tool_spaces) {
-    nodes.push_back(tool_space.setup.interaction.active_node);
-  }
-  return nodes;
-}
 
 class Pulling : public testing::TestWithParam<double> {
  protected:

@@ -60,13 +60,13 @@ TEST_P(SurfaceOfOrder, OfACutHasBothSidesAtEachStage) {
   const ShownSurface shown(bodies);
   const Surface& last = shown.surface();
   const std::size_t split = GetParam() == ElementOrder::quadratic ? 4 : 1;
-  EXPECT_EQ(last.num_of_cut, split * 2 * 2 * 3 * kCutCubeCells);
+  EXPECT_EQ(last.stages_of_cut.size(), split * 2 * 2 * 3 * kCutCubeCells);
   const Scene& closed = *bodies.back().scene;
   EXPECT_EQ(last.touched_triangles().size(), split * boundary_triangles(closed.body.mesh).size());
   for (const SpaceBody& body : bodies) {
     const Surface& surface = shown.surface_of(body.number);
     ASSERT_EQ(surface.triangles.size(), last.triangles.size());
-    EXPECT_EQ(surface.num_of_cut, last.num_of_cut);
+    EXPECT_EQ(surface.stages_of_cut, last.stages_of_cut);
     for (std::size_t t = 0; t < last.triangles.size(); ++t) {
       for (int a = 0; a < 3; ++a) {
         EXPECT_EQ(surface.points[surface.triangles[t][a]], last.points[last.triangles[t][a]]);
