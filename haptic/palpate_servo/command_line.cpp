@@ -152,6 +152,8 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   app.add_flag("--blade", touch.is_blade, "The tool is a blade, which opens such a cut");
   app.add_option("--blade-toughness", touch.blade_toughness,
                  "The energy that it takes the blade to open the cut, J/m^2; 0: --toughness");
+  app.add_option("--blade-stiffness", touch.blade_stiffness,
+                 "The stiffness of the tissue before the edge of the blade, N/m");
   app.add_option("--blade-friction", touch.blade_friction,
                  "The force that it takes to draw the blade through the cut, N");
   double release_after = seconds(line.options.release_after);

@@ -95,7 +95,7 @@ void place_device(const Touched& touched, const Specification& device, CommandLi
   place_workspace(touched.at.place + height * touched.at.normal, touched.at.normal, line.settings);
   if (!line.coupling) {
     line.touch.coupling_stiffness =
-        coupling_stiffness_for(device, touched.body->largest_stiffness(), line.settings);
+        coupling_stiffness_for(device, stiffest(*touched.body, line.touch), line.settings);
   }
   print(*touched.body, line.touchable.method);
   std::printf("touching     %s, coupling %.4g N/m\n", touched.tool.c_str(),

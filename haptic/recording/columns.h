@@ -136,6 +136,7 @@ void visit_settings(Record& record, Visit&& visit) {
   visit(Name{"fracture_toughness", "J_per_m2", {}, 6}, touch.fracture_toughness);
   visit(Name{"is_blade", {}, {}, 7}, touch.is_blade);
   visit(Name{"blade_toughness", "J_per_m2", {}, 7}, touch.blade_toughness);
+  visit(Name{"blade_stiffness", "N_per_m", {}, 7}, touch.blade_stiffness);
   visit(Name{"blade_friction", "N", {}, 7}, touch.blade_friction);
 }
 

@@ -9,10 +9,6 @@ namespace palpate {
 namespace {
 
 constexpr double kWhole = std::numeric_limits<double>::infinity();
-/// Where the sheet is curved, q(x) moves faster than x. Where it moves so many times as fast, or
-/// farther than this, m, it has jumped to another part of the sheet.
-constexpr double kFastest = 5;
-constexpr double kJump = 1e-6;
 /// A cut takes so many ticks at the least, as a tear does (hold.cpp).
 constexpr double kTicksOfCut = 50;
 /// The blade is at the front if what is open ends within this share of the whole area.
@@ -39,9 +35,9 @@ bool Blade::enter(const Touchable& body, const Vec3& hand, double reach, Hold& h
   is_in_ = true;
   reach_ = reach;
   hand_ = hand;
-  on_sheet_ = follow(body, hand).point;
+  on_sheet_ = follow(body, hand);
   place_ = at.point;
-  offset_ = on_sheet_ - place_;
+  offset_ = on_sheet_.point - place_;
   hold.account().begin(hand);
   return true;
 }
@@ -58,29 +54,28 @@ CutSheet::Nearest Blade::follow(const Touchable& body, const Vec3& hand) noexcep
   return at;
 }
 
-Vec3 Blade::goal(const Vec3& pull, const Resistance& against) const noexcept {
-  const Vec3 way = pull - place_;
+Vec3 Blade::goal(const Resistance& against) const noexcept {
+  const Vec3 way = stretch();
   const double length = way.norm();
   const double held = against.friction / against.stiffness;
-  return length > held ? Vec3(pull - held / length * way) : place_;
+  return length > held ? Vec3(place_ + (1 - held / length) * way) : place_;
 }
 
-void Blade::slide(const CutSheet& sheet, const Vec3& pull, const Resistance& against,
-                  TearAccount& account) noexcept {
-  const CutSheet::Nearest to = sheet.nearest(goal(pull, against), account.area());
+void Blade::slide(const CutSheet& sheet, const Resistance& against, TearAccount& account) noexcept {
+  const CutSheet::Nearest to = sheet.nearest(goal(against), account.area());
   if (to.triangle < 0) return;
-  const double released =
-      spring(against.stiffness, pull - place_) - spring(against.stiffness, pull - to.point);
+  const double released = spring(against.stiffness, stretch()) -
+                          spring(against.stiffness, stretch() + place_ - to.point);
   if (!(released > 0)) return;
   account.rub(std::min(against.friction * (to.point - place_).norm(), released));
   place_ = to.point;
 }
 
-void Blade::cut(const CutSheet& sheet, const Vec3& pull, const Resistance& against, double most,
+void Blade::cut(const CutSheet& sheet, const Resistance& against, double most,
                 Hold& hold) noexcept {
   TearAccount& account = hold.account();
   const double open = account.area();
-  const Vec3 goal = this->goal(pull, against);
+  const Vec3 goal = this->goal(against);
   const CutSheet::Nearest at = sheet.nearest(goal, open);
   const double front = at.rise.norm();
   if (at.triangle < 0 || !(front > 0) || at.area < open - kAtFront * most) return;
@@ -91,9 +86,8 @@ void Blade::cut(const CutSheet& sheet, const Vec3& pull, const Resistance& again
   for (int k = 0; k < kMostHalvings && step > 0; ++k, step /= 2) {
     const CutSheet::Nearest to = sheet.nearest(goal, open + step);
     const double rubbed = against.friction * (to.point - place_).norm();
-    const double lost = spring(against.stiffness, pull - to.point) -
-                        spring(against.stiffness, pull - place_) + rubbed +
-                        against.toughness * step +
+    const double lost = spring(against.stiffness, stretch() + place_ - to.point) -
+                        spring(against.stiffness, stretch()) + rubbed + against.toughness * step +
                         (hold.energy_at(open + step).touch.energy - body.touch.energy);
     if (lost > 0) continue;
     account.open(open + step, against.toughness);
@@ -103,51 +97,59 @@ void Blade::cut(const CutSheet& sheet, const Vec3& pull, const Resistance& again
   }
 }
 
-Vec3 Blade::force(const CutSheet::Nearest& at, double stiffness) const noexcept {
-  return -stiffness * (at.follows * (at.point - offset_ - place_));
+Vec3 Blade::force(double stiffness) const noexcept {
+  return -stiffness * (on_sheet_.follows * stretch());
+}
+
+bool Blade::pull(const Touchable& body, const Vec3& hand) noexcept {
+  const CutSheet::Nearest before = on_sheet_;
+  on_sheet_ = follow(body, hand);
+  if (on_sheet_.triangle < 0 || on_sheet_.distance > reach_) return false;
+  const Vec3 way = hand - hand_;
+  const Vec3 jump =
+      on_sheet_.point - before.point - 0.5 * (before.follows + on_sheet_.follows) * way;
+  hand_ = hand;
+  if (jump.norm() > reach_) return false;
+  offset_ += jump;
+  return true;
 }
 
 Contact Blade::move(const Touchable& body, const Vec3& hand, const TouchSettings& settings,
                     Hold& hold) noexcept {
-  const CutSheet& sheet = body.sheet();
   Contact contact = hold.stay(settings.fracture_toughness);
-  const Vec3 way = hand - hand_;
-  CutSheet::Nearest at = follow(body, hand);
-  if (at.triangle < 0 || at.distance > reach_ ||
-      (at.point - on_sheet_).norm() > kFastest * way.norm() + kJump) {
-    leave();
-    return contact;
-  }
   const Resistance against{
-      settings.coupling_stiffness > 0 ? settings.coupling_stiffness : body.largest_stiffness(),
+      settings.coupling_stiffness > 0
+          ? std::min(settings.coupling_stiffness, settings.blade_stiffness)
+          : settings.blade_stiffness,
       settings.blade_friction,
       settings.blade_toughness > 0 ? settings.blade_toughness : settings.fracture_toughness};
   TearAccount& account = hold.account();
   const double whole = body.torn().whole_area();
   double left = whole / kTicksOfCut;
-  const double resists = against.friction + against.toughness * at.rise.norm();
+  const Vec3 from = hand_;
+  const Vec3 way = hand - from;
+  const double resists = against.friction + against.toughness * on_sheet_.rise.norm();
   const double most = against.stiffness * way.norm() / (kBalance * resists);
   const int num_steps = most > 1 ? static_cast<int>(std::ceil(std::min(most, kMostSubsteps))) : 1;
-  const Vec3 from = hand_;
   for (int step = 1; step <= num_steps; ++step) {
-    hand_ = from + static_cast<double>(step) / num_steps * way;
-    if (num_steps > 1) at = follow(body, hand_);
-    on_sheet_ = at.point;
-    const Vec3 pull = at.point - offset_;
+    if (!pull(body, step == num_steps ? hand : Vec3(from + step * way / num_steps))) {
+      leave();
+      return contact;
+    }
     // The hand goes first, and then the blade.
-    account.follow(hand_, force(at, against.stiffness));
-    slide(sheet, pull, against, account);
+    account.follow(hand_, force(against.stiffness));
+    slide(body.sheet(), against, account);
     const double before = account.area();
-    if (against.toughness > 0) cut(sheet, pull, against, std::min(left, whole - before), hold);
+    if (against.toughness > 0) cut(body.sheet(), against, std::min(left, whole - before), hold);
     left -= account.area() - before;
-    account.change(force(at, against.stiffness));
+    account.change(force(against.stiffness));
   }
   contact.status = ContactStatus::cutting;
   contact.anchor = place_;
-  contact.force = force(at, against.stiffness);
-  contact.stiffness = against.stiffness * at.follows;
-  contact.energy = hold.energy_at(account.area()).touch.energy +
-                   spring(against.stiffness, at.point - offset_ - place_);
+  contact.force = force(against.stiffness);
+  contact.stiffness = against.stiffness * on_sheet_.follows;
+  contact.energy =
+      hold.energy_at(account.area()).touch.energy + spring(against.stiffness, stretch());
   account.tell(contact);
   return contact;
 }

@@ -15,10 +15,11 @@
 //
 // with the energy Π of the body (torn_energy.h). While the edge goes on steadily by ds, this is the
 // force (G_c − G) dA/ds + F_f along its way: G = −∂Π/∂A of a body that is pulled open helps it. A
-// step that would not lower the sum is not made, so that the blade makes no energy. k is the
-// stiffness of the coupling, or else the largest of the body at its active nodes: the space does
-// not have the deformation of the tissue before the edge. The edge is as long as the front, since
-// the stages are open along all of it. Across the sheet nothing is felt.
+// step that would not lower the sum is not made, so that the blade makes no energy. k is given,
+// since the space does not have the deformation of the tissue before the edge. The edge is as long
+// as the front, since the stages are open along all of it. Across the sheet nothing is felt. Where
+// the sheet is bent, q(x) may jump as x passes by on the hollow side. The force does not: what q(x)
+// moves by more than ∂q/∂x says is taken off from then on.
 #pragma once
 
 #include "haptic/touching/contact.h"
@@ -52,28 +53,30 @@ class Blade {
     double friction = 0;
     double toughness = 0;
   };
-  /// Slides through what is open. @param pull Where the hand pulls the blade to, m.
-  void slide(const CutSheet& sheet, const Vec3& pull, const Resistance& against,
-             TearAccount& account) noexcept;
-  /// Opens the cut. @param most By so much at the most, m².
-  void cut(const CutSheet& sheet, const Vec3& pull, const Resistance& against, double most,
-           Hold& hold) noexcept;
   /// q(x), with ∂q/∂x as CutSheet::Nearest::follows.
   [[nodiscard]] static CutSheet::Nearest follow(const Touchable& body, const Vec3& hand) noexcept;
-  /// @param at q(x).
-  [[nodiscard]] Vec3 force(const CutSheet::Nearest& at, double stiffness) const noexcept;
+  /// The hand comes to a place. @returns false: it is too far from the sheet.
+  [[nodiscard]] bool pull(const Touchable& body, const Vec3& hand) noexcept;
+  /// Slides through what is open.
+  void slide(const CutSheet& sheet, const Resistance& against, TearAccount& account) noexcept;
+  /// Opens the cut. @param most By so much at the most, m².
+  void cut(const CutSheet& sheet, const Resistance& against, double most, Hold& hold) noexcept;
+  /// From the blade to where the hand pulls it.
+  [[nodiscard]] Vec3 stretch() const noexcept { return on_sheet_.point - offset_ - place_; }
+  [[nodiscard]] Vec3 force(double stiffness) const noexcept;
   /// Where the blade would go if nothing but friction held it.
-  [[nodiscard]] Vec3 goal(const Vec3& pull, const Resistance& against) const noexcept;
+  [[nodiscard]] Vec3 goal(const Resistance& against) const noexcept;
 
   bool is_in_ = false;
   double reach_ = 0;
   /// b, m.
   Vec3 place_ = Vec3::Zero();
-  /// q(x) less where the hand pulls the blade to, so that the force begins at zero, m.
+  /// q(x) less where the hand pulls the blade to, so that the force begins at zero and goes on
+  /// where q(x) jumps, m.
   Vec3 offset_ = Vec3::Zero();
-  /// x and q(x) in the last tick, m.
+  /// x and q(x).
   Vec3 hand_ = Vec3::Zero();
-  Vec3 on_sheet_ = Vec3::Zero();
+  CutSheet::Nearest on_sheet_;
 };
 
 }  // namespace palpate

@@ -23,6 +23,10 @@ void validate(const TouchSettings& settings) {
   check(settings.coupling_stiffness, "The stiffness of the coupling", "N/m");
   check(settings.fracture_toughness, "The fracture toughness", "J/m^2");
   check(settings.blade_toughness, "The toughness against the blade", "J/m^2");
+  if (!(std::isfinite(settings.blade_stiffness) && settings.blade_stiffness > 0)) {
+    throw InputError("The stiffness before the blade is " +
+                     quantity(settings.blade_stiffness, "N/m") + ". Give more than 0.");
+  }
   check(settings.blade_friction, "The friction of the blade", "N");
   check(settings.friction, "The coefficient of friction", "");
 }

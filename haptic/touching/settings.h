@@ -34,6 +34,9 @@ struct TouchSettings {
   bool is_blade = false;
   /// The energy that it takes the blade to cut an area, J/m²; 0: as much as it takes to tear it.
   double blade_toughness = 0;
+  /// The stiffness of the tissue before the edge of the blade, N/m. A coupling that is softer
+  /// stands in its place.
+  double blade_stiffness = 500;
   /// The force that it takes to draw the blade through what is cut, N.
   double blade_friction = 0;
   /// Coefficient of Coulomb friction between a rigid tool and the body; 0: it glides freely.

@@ -165,6 +165,11 @@ std::int32_t Touchable::nearest(const Vec3& point, double reach) const noexcept 
   return nearest;
 }
 
+double stiffest(const Touchable& body, const TouchSettings& settings) {
+  return settings.is_blade ? std::max(body.largest_stiffness(), settings.blade_stiffness)
+                           : body.largest_stiffness();
+}
+
 MemoryRanges Touchable::memory() const {
   MemoryRanges ranges{{this, sizeof *this}};
   ranges.push_back({surface_.get(), sizeof *surface_});

@@ -9,6 +9,7 @@
 
 #include "fields/space_chunk.h"
 #include "haptic/touching/cut_sheet.h"
+#include "haptic/touching/settings.h"
 #include "interpolation/interpolator.h"
 #include "interpolation/solution_branches.h"
 #include "interpolation/tool_force.h"
@@ -110,5 +111,8 @@ class Touchable {
   double largest_stiffness_ = 0;
   double largest_tip_radius_ = 0;
 };
+
+/// The largest stiffness that a hand may feel of a body, N/m.
+[[nodiscard]] double stiffest(const Touchable& body, const TouchSettings& settings);
 
 }  // namespace palpate

@@ -687,6 +687,6 @@ def goes_on(leave):
 # In the loop of events, as what a person does.
 QtCore.QTimer.singleShot(300, lambda: run_in_turn(
     {"touching": touching, "dots": dots, "escape": escape, "busy": busy, "mouse": mouse,
-     "tears": tears, "blade": blade, "cuts": cuts, "cuts_pressed": cuts_pressed, "road": road, "ends": ends,
-     "remote": remote, "lost": lost,
+     "tears": tears, "blade": blade, "cuts": cuts, "cuts_pressed": cuts_pressed, "road": road,
+     "ends": ends, "remote": remote, "lost": lost,
      "quit": lambda: goes_on(application.quit), "close": lambda: goes_on(window.close)}))

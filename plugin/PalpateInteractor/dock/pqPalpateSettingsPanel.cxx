@@ -64,6 +64,10 @@ pqPalpateSettingsPanel::pqPalpateSettingsPanel(QFormLayout* form, QObject* paren
   this->BladeToughness = pqPalpateNamed(NumberBox(settings.BladeToughness, 10000, 10, " J/m²"),
     "bladeToughness", "The energy that it takes the blade to open an area of the cut.");
   this->BladeToughness->setSpecialValueText("as to tear");
+  this->BladeStiffness =
+    pqPalpateNamed(NumberBox(settings.BladeStiffness, 100000, 100, " N/m"), "bladeStiffness",
+      "The stiffness of the tissue before the edge, which the space does not have.");
+  this->BladeStiffness->setMinimum(1);
   this->BladeFriction = pqPalpateNamed(NumberBox(settings.BladeFriction, 100, 0.1, " N"),
     "bladeFriction", "The force that it takes to draw the blade through what is cut.");
   this->BladeFriction->setSpecialValueText("none");
@@ -86,6 +90,7 @@ pqPalpateSettingsPanel::pqPalpateSettingsPanel(QFormLayout* form, QObject* paren
   form->addRow("Toughness", this->Toughness);
   form->addRow("Blade", this->Blade);
   form->addRow("Its toughness", this->BladeToughness);
+  form->addRow("Its stiffness", this->BladeStiffness);
   form->addRow("Its friction", this->BladeFriction);
   form->addRow("Grasp", this->Grasps);
   this->InTissue = pqPalpateNamed(new QCheckBox("In the colour of tissue"), "inTissue",
@@ -110,7 +115,7 @@ pqPalpateSettingsPanel::pqPalpateSettingsPanel(QFormLayout* form, QObject* paren
   form->addRow("Keys", this->Keys);
   for (QDoubleSpinBox* box :
     { this->WorkspaceScale, this->ForceScale, this->ForceLimit, this->ReleaseForce, this->Friction,
-      this->Toughness, this->BladeToughness, this->BladeFriction })
+      this->Toughness, this->BladeToughness, this->BladeStiffness, this->BladeFriction })
   {
     QObject::connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
       &pqPalpateSettingsPanel::changed);
@@ -137,6 +142,7 @@ pqPalpateRun::Settings pqPalpateSettingsPanel::settings() const
   settings.FractureToughness = this->Toughness->value();
   settings.IsBlade = this->Blade->isEnabled() && this->Blade->isChecked();
   settings.BladeToughness = this->BladeToughness->value();
+  settings.BladeStiffness = this->BladeStiffness->value();
   settings.BladeFriction = this->BladeFriction->value();
   settings.GraspsWithButton = this->Grasps->isEnabled() && this->Grasps->isChecked();
   // The tick counts also while it is disabled: it is not given up because another device is chosen.
@@ -153,8 +159,8 @@ void pqPalpateSettingsPanel::enable(const Situation& situation)
   this->Present = situation;
   this->NeedsButton->setEnabled(situation.HasRealDevice);
   this->Toughness->setEnabled(situation.HasCut);
-  for (QWidget* of : { static_cast<QWidget*>(this->Blade),
-         static_cast<QWidget*>(this->BladeToughness), static_cast<QWidget*>(this->BladeFriction) })
+  for (QWidget* of : std::initializer_list<QWidget*>{
+         this->Blade, this->BladeToughness, this->BladeStiffness, this->BladeFriction })
   {
     of->setEnabled(situation.HasCut && !situation.IsRigid && !situation.IsReduced);
   }

@@ -48,6 +48,7 @@ private:
   QDoubleSpinBox* Toughness = nullptr;
   QCheckBox* Blade = nullptr;
   QDoubleSpinBox* BladeToughness = nullptr;
+  QDoubleSpinBox* BladeStiffness = nullptr;
   QDoubleSpinBox* BladeFriction = nullptr;
   QCheckBox* Grasps = nullptr;
   QCheckBox* NeedsButton = nullptr;

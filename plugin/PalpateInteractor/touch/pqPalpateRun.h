@@ -62,9 +62,10 @@ public:
     double FractureToughness = 0;
     /// Whether the tool is a blade, which opens such a cut.
     bool IsBlade = false;
-    /// The energy that this takes, J/m²; 0: as much as it takes to tear. The force that draws the
-    /// blade through what is cut, N.
+    /// The energy that this takes, J/m²; 0: as much as it takes to tear. The stiffness of the
+    /// tissue before its edge, N/m, and the force that draws it through what is cut, N.
     double BladeToughness = 0;
+    double BladeStiffness = palpate::TouchSettings().blade_stiffness;
     double BladeFriction = 0;
     /// Coefficient of friction of a rigid tool.
     double Friction = 0;

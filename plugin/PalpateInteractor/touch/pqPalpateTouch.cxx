@@ -383,6 +383,7 @@ void pqPalpateTouch::applySettings()
   session.TouchSettings.fracture_toughness = this->Current.FractureToughness;
   session.TouchSettings.is_blade = this->Current.IsBlade && session.Body->torn().is_cut();
   session.TouchSettings.blade_toughness = this->Current.BladeToughness;
+  session.TouchSettings.blade_stiffness = this->Current.BladeStiffness;
   session.TouchSettings.blade_friction = this->Current.BladeFriction;
   if (hand.Mouse)
   {
@@ -398,8 +399,9 @@ void pqPalpateTouch::applySettings()
       ? this->Current.WorkspaceScale
       : session.Radius / hand.Servo->specification().workspace_radius;
   }
-  session.TouchSettings.coupling_stiffness = palpate::coupling_stiffness_for(
-    hand.Servo->specification(), session.Body->largest_stiffness(), hand.Settings);
+  session.TouchSettings.coupling_stiffness =
+    palpate::coupling_stiffness_for(hand.Servo->specification(),
+      palpate::stiffest(*session.Body, session.TouchSettings), hand.Settings);
   hand.Servo->set_settings(hand.Settings);
   hand.Servo->set_touch_settings(session.TouchSettings);
 }

@@ -130,6 +130,7 @@ class PalpateServo(ProgramTest):
                 ("--depth", 1, "--depth"), ("--depth", "inf", "--depth"),
                 ("--scale", 1e-9, "at 6e-11 m"), ("--force-scale", -1, "is -1. Give"),
                 ("--blade-friction", -1, "friction of the blade"),
+                ("--blade-stiffness", 0, "stiffness before the blade"),
                 ("--what", 1, "--what"),
                 ("--record", self.path("none/a.csv"), "none/a.csv"),
                 ("--record", text, "text.palpate", "already"),
