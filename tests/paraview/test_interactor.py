@@ -107,7 +107,7 @@ def main():
     assert 0 < torn[0] <= 24 and torn[3] > 0.01, torn
     assert share_different("torn.png", "let_go.png") > 0.01
     area, force, *_ = run("blade", folder)["bladed"]
-    # 30 J/m² along a front of 60 mm, which the body that is held open helps, and a friction of 0.2 N.
+    # 30 J/m² along a front of 60 mm, which the body that is held open helps, and 0.2 N of friction.
     assert area > 1 and 1.7 < force < 2, (area, force)
     assert share_different("blade.png", "cut_open.png") > 0.01
     cut = run("cuts,cuts_pressed", folder)
