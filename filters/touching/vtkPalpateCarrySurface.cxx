@@ -106,11 +106,12 @@ int vtkPalpateCarrySurface::RequestData(
       }
       const auto carrier = [&]
       {
-        palpate::TetMesh mesh = vtkPalpateMeshFromGrid(body);
-        palpate::check_and_orient(mesh);
-        this->Cache->Surface = palpate::make_surface(mesh);
-        return vtkPalpateDisplaySurface::Carrier{ this->Cache->Surface.points,
-          this->Cache->Surface.triangles, {} };
+        palpate::Scene scene;
+        scene.body.mesh = vtkPalpateMeshFromGrid(body);
+        palpate::check_and_orient(scene.body.mesh);
+        vtkPalpateReadBoundary(body, scene);
+        this->Cache->Surface = palpate::make_surface(scene.body);
+        return vtkPalpateDisplaySurface::Carrier{ this->Cache->Surface, {} };
       };
       this->Cache->Display.Take(this, inputVector[1], bodyTime, controller, ranks, carrier);
       palpate::agree(ranks,

@@ -11,6 +11,7 @@
 #include "base/quantity.h"
 #include "mesh/surface_embedding.h"
 #include "schedule/communicator.h"
+#include "state_space/split_surface.h"
 #include "vtkBoundingBox.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -26,10 +27,12 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkStaticPointLocator.h"
 #include "vtkTriangleFilter.h"
 
 namespace
 {
+using palpate::Index;
 using palpate::Vec3;
 
 /// How far off the body half of the points of a surface may be, and how far all of them without a
@@ -39,6 +42,9 @@ constexpr double MostSilent = 0.05;
 /// Points at one place are one where normals are computed, unless the normals that they came with
 /// differ by more than this angle: there the surface has an edge.
 const double CosineOfEdge = std::cos(30 * 3.14159265358979323846 / 180);
+/// How far from the sheet of a cut a point of the surface looks for the side that it follows, as a
+/// share of the body's diagonal.
+constexpr double BesideCut = 0.002;
 /// Sizes of a surface and a body that differ by this factor, to 20 %, are in mm and in m.
 constexpr double Thousand = 1000;
 
@@ -67,14 +73,22 @@ std::vector<Vec3> PointsOf(vtkPolyData* surface)
   return points;
 }
 
-/// The first of the points at each point's place whose normal is alike [points].
-std::vector<vtkIdType> FirstAtPlace(const std::vector<Vec3>& points, vtkDataArray* normals)
+/// The first of the points at each point's place whose normal is alike, and which is on the same
+/// side of a cut [points]. @param onSide The first points, moved to their side; the others are
+/// alone.
+std::vector<vtkIdType> FirstAtPlace(
+  const std::vector<Vec3>& points, vtkDataArray* normals, const std::vector<Vec3>& onSide)
 {
   std::map<std::array<double, 3>, std::vector<vtkIdType>> atPlace;
   std::vector<vtkIdType> first;
   for (vtkIdType p = 0; p < static_cast<vtkIdType>(points.size()); ++p)
   {
-    const Vec3& x = points[static_cast<std::size_t>(p)];
+    if (p >= static_cast<vtkIdType>(onSide.size()))
+    {
+      first.push_back(p);
+      continue;
+    }
+    const Vec3& x = onSide[static_cast<std::size_t>(p)];
     auto& here = atPlace[{ x[0], x[1], x[2] }];
     const auto same = std::find_if(here.begin(), here.end(),
       [&](vtkIdType other)
@@ -97,12 +111,18 @@ std::vector<vtkIdType> FirstAtPlace(const std::vector<Vec3>& points, vtkDataArra
 struct vtkPalpateDisplaySurface::Embedded
 {
   Embedded(vtkPolyData* surface, const Carrier& carrier)
-    : Points(PointsOf(surface))
-    , Embedding(carrier.Points, carrier.Triangles, this->Points)
   {
     this->Shown->ShallowCopy(surface);
+    std::vector<Vec3> embedded = PointsOf(surface);
+    if (!carrier.Surface.stages_of_cut.empty())
+    {
+      embedded = this->Split(surface, carrier.Surface);
+    }
+    this->Points = PointsOf(this->Shown);
+    this->Embedding = std::make_unique<palpate::SurfaceEmbedding>(
+      carrier.Surface.points, carrier.Surface.touched_triangles(), embedded);
     const std::vector<vtkIdType> first =
-      FirstAtPlace(this->Points, surface->GetPointData()->GetNormals());
+      FirstAtPlace(this->Points, this->Shown->GetPointData()->GetNormals(), embedded);
     this->Rest.resize(3 * static_cast<Eigen::Index>(this->Points.size()));
     for (std::size_t p = 0; p < this->Points.size(); ++p)
     {
@@ -122,7 +142,7 @@ struct vtkPalpateDisplaySurface::Embedded
     this->NumberOfNormals = places.size();
     vtkIdType count;
     const vtkIdType* ids;
-    for (vtkCellArray* polys = surface->GetPolys(); polys->GetNextCell(count, ids);)
+    for (vtkCellArray* polys = this->Shown->GetPolys(); polys->GetNextCell(count, ids);)
     {
       this->Triangles.push_back({ ids[0], ids[1], ids[2] });
     }
@@ -130,15 +150,117 @@ struct vtkPalpateDisplaySurface::Embedded
 
   /// Where the body was meshed, m.
   std::vector<Vec3> Points;
-  palpate::SurfaceEmbedding Embedding;
+  std::unique_ptr<palpate::SurfaceEmbedding> Embedding;
+  /// The points of the carrier that the last points are, which are those of the sides of a cut.
+  std::vector<Index> OfSides;
   /// Where displacements count from [3 points], m.
   Eigen::VectorXf Rest;
-  /// The surface with its arrays, as it came.
+  /// The surface with its arrays, as it came, and with what is added where it is cut.
   vtkNew<vtkPolyData> Shown;
   std::vector<std::array<vtkIdType, 3>> Triangles;
   /// Points at one place share a normal: the place of that of each point among all.
   std::vector<vtkIdType> PlaceOfNormal;
   std::size_t NumberOfNormals = 0;
+
+  /// Splits the surface along the cut of the carrier, and adds the sides of that.
+  /// @return Where each point looks for what it follows, without those of the sides.
+  std::vector<Vec3> Split(vtkPolyData* surface, const palpate::Surface& carrier)
+  {
+    const std::vector<Vec3> given = PointsOf(surface);
+    std::vector<std::array<Index, 3>> triangles;
+    vtkIdType count;
+    const vtkIdType* ids;
+    for (vtkCellArray* polys = surface->GetPolys(); polys->GetNextCell(count, ids);)
+    {
+      triangles.push_back(
+        { static_cast<Index>(ids[0]), static_cast<Index>(ids[1]), static_cast<Index>(ids[2]) });
+    }
+    const double diagonal = DiagonalOf(carrier.points);
+    palpate::SplitSurface split = palpate::split_surface(given, triangles,
+      palpate::sheet_of_cut(carrier), MostSilent * diagonal, BesideCut * diagonal);
+
+    vtkNew<vtkPoints> points;
+    points->SetDataTypeToDouble();
+    vtkPointData* from = surface->GetPointData();
+    vtkPointData* arrays = this->Shown->GetPointData();
+    arrays->Initialize();
+    arrays->InterpolateAllocate(from);
+    for (vtkIdType p = 0; p < surface->GetNumberOfPoints(); ++p)
+    {
+      arrays->CopyData(from, p, points->InsertNextPoint(surface->GetPoint(p)));
+    }
+    for (const auto& [a, b, share] : split.added)
+    {
+      const Vec3 x = given[a] + share * (given[b] - given[a]);
+      arrays->InterpolateEdge(from, points->InsertNextPoint(x.data()), a, b, share);
+    }
+    vtkNew<vtkCellArray> polys;
+    vtkCellData* ofCells = this->Shown->GetCellData();
+    ofCells->Initialize();
+    ofCells->CopyAllocate(surface->GetCellData());
+    // A triangle at each of the given points.
+    std::vector<vtkIdType> cellAt(given.size(), 0);
+    for (std::size_t t = 0; t < split.triangles.size(); ++t)
+    {
+      const auto& [a, b, c] = split.triangles[t];
+      ofCells->CopyData(
+        surface->GetCellData(), split.parents[t], polys->InsertNextCell({ a, b, c }));
+    }
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+    {
+      for (const Index corner : triangles[t])
+      {
+        cellAt[corner] = static_cast<vtkIdType>(t);
+      }
+    }
+    // The sides look like what is nearest to them outside.
+    vtkNew<vtkStaticPointLocator> locator;
+    locator->SetDataSet(surface);
+    locator->BuildLocator();
+    std::map<Index, vtkIdType> number;
+    for (auto t = static_cast<std::size_t>(carrier.num_touched()); t < carrier.triangles.size();
+         ++t)
+    {
+      std::array<vtkIdType, 3> side;
+      vtkIdType nearest = 0;
+      for (int k = 0; k < 3; ++k)
+      {
+        const Index corner = carrier.triangles[t][k];
+        const Vec3& x = carrier.points[corner];
+        nearest = locator->FindClosestPoint(x.data());
+        const auto [at, isNew] = number.try_emplace(corner, points->GetNumberOfPoints());
+        if (isNew)
+        {
+          arrays->CopyData(from, nearest, points->InsertNextPoint(x.data()));
+          this->OfSides.push_back(corner);
+        }
+        side[k] = at->second;
+      }
+      ofCells->CopyData(surface->GetCellData(), cellAt[nearest],
+        polys->InsertNextCell({ side[0], side[1], side[2] }));
+    }
+    this->Shown->SetPoints(points);
+    this->Shown->SetPolys(polys);
+    return std::move(split.on_side);
+  }
+
+  /// The displacements of all points [3 points], m. @param u Those of the carrier.
+  [[nodiscard]] Eigen::VectorXf Displacement(const Eigen::VectorXf& u) const
+  {
+    const Eigen::VectorXf outside = this->Embedding->displacement(u);
+    if (this->OfSides.empty())
+    {
+      return outside;
+    }
+    Eigen::VectorXf all(static_cast<Eigen::Index>(3 * this->Points.size()));
+    all.head(outside.size()) = outside;
+    for (std::size_t i = 0; i < this->OfSides.size(); ++i)
+    {
+      all.segment<3>(outside.size() + 3 * static_cast<Eigen::Index>(i)) =
+        u.segment<3>(3 * Eigen::Index{ this->OfSides[i] });
+    }
+    return all;
+  }
 
   /// Adds normals to the surface. @param places Those of its points [3 points], m.
   void AddNormals(const Eigen::VectorXf& places, vtkPolyData* surface) const
@@ -176,8 +298,12 @@ struct vtkPalpateDisplaySurface::Embedded
     carried->SetName(array->GetName());
     carried->SetNumberOfComponents(components);
     carried->SetNumberOfTuples(surface->GetNumberOfPoints());
-    const auto& places = this->Embedding.nearest();
-    for (vtkIdType p = 0; p < surface->GetNumberOfPoints(); ++p)
+    const auto& places = this->Embedding->nearest();
+    for (std::size_t i = 0; i < this->OfSides.size(); ++i)
+    {
+      carried->SetTuple(static_cast<vtkIdType>(places.size() + i), this->OfSides[i], array);
+    }
+    for (vtkIdType p = 0; p < static_cast<vtkIdType>(places.size()); ++p)
     {
       const auto& [points, weights] = places[static_cast<std::size_t>(p)];
       for (int c = 0; c < components; ++c)
@@ -246,9 +372,9 @@ void vtkPalpateDisplaySurface::Take(vtkObject* filter, vtkInformationVector* por
         {
           const Carrier body = carrier();
           auto embedded = std::make_unique<Embedded>(surface, body);
-          const double diagonal = DiagonalOf(body.Points);
+          const double diagonal = DiagonalOf(body.Surface.points);
           const double ratio = DiagonalOf(embedded->Points) / diagonal;
-          const palpate::SurfaceEmbedding& embedding = embedded->Embedding;
+          const palpate::SurfaceEmbedding& embedding = *embedded->Embedding;
           const auto text = [](double length) { return palpate::quantity(length, "m"); };
           if (embedding.median_distance() > MostHalf * diagonal)
           {
@@ -263,7 +389,7 @@ void vtkPalpateDisplaySurface::Take(vtkObject* filter, vtkInformationVector* por
           }
           if (body.Settled.size() > 0)
           {
-            embedded->Rest += embedding.displacement(body.Settled);
+            embedded->Rest += embedded->Displacement(body.Settled);
           }
           if (embedding.largest_distance() > MostSilent * diagonal)
           {
@@ -294,7 +420,7 @@ void vtkPalpateDisplaySurface::Follow(vtkPolyData* body) const
   {
     u[i] = static_cast<float>(displacement->GetComponent(i / 3, static_cast<int>(i % 3)));
   }
-  const Eigen::VectorXf shown = embedded.Embedding.displacement(u);
+  const Eigen::VectorXf shown = embedded.Displacement(u);
 
   body->Initialize();
   body->ShallowCopy(embedded.Shown);

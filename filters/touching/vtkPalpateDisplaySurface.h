@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A surface by which a body is shown in place of its own: a fine one of the same organ, with
 // colours, texture and whatever else it has. The surface of the body carries it
-// (mesh/surface_embedding.h).
+// (mesh/surface_embedding.h). Where the body is cut it is split, so that it opens
+// (state_space/split_surface.h), and what is within the cut are the sides of the body's own.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <memory>
-#include <vector>
 
 #include "base/types.h"
+#include "state_space/surface.h"
 #include "vtkType.h"
 
 namespace palpate
@@ -24,11 +24,10 @@ class vtkPolyData;
 class vtkPalpateDisplaySurface
 {
 public:
-  /// The surface of a body as it was meshed: points [any number], m, and triangles.
   struct Carrier
   {
-    std::vector<palpate::Vec3> Points;
-    std::vector<std::array<palpate::Index, 3>> Triangles;
+    /// The surface of a body as it was meshed.
+    palpate::Surface Surface;
     /// The displacement from there from which `Displacement` counts [3 points], m: that of a body
     /// that sags. Empty: it is 0.
     Eigen::VectorXf Settled;

@@ -131,7 +131,7 @@ int vtkPalpateTouchReducedModel::RequestData(
       const palpate::Surface& surface = this->Cache->Surface;
       this->Display->Take(this, inputVector[1], inputTime, controller, ranks,
         [&] {
-          return vtkPalpateDisplaySurface::Carrier{ surface.points, surface.triangles, {} };
+          return vtkPalpateDisplaySurface::Carrier{ surface, {} };
         });
       palpate::agree(ranks,
         [&]

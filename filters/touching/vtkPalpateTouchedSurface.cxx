@@ -36,7 +36,7 @@ void vtkPalpateShowDisplaced(const palpate::Surface& rest, vtkCellArray* triangl
 vtkPalpateDisplaySurface::Carrier vtkPalpateCarrierOfSpace(
   const palpate::TouchSpace& space, vtkPartitionedDataSetCollection* input)
 {
-  vtkPalpateDisplaySurface::Carrier carrier{ space.surface.points, space.surface.triangles, {} };
+  vtkPalpateDisplaySurface::Carrier carrier{ space.surface, {} };
   vtkDataArray* settled = nullptr;
   for (unsigned int block = 0; block < input->GetNumberOfPartitionedDataSets() && !settled; ++block)
   {
@@ -48,12 +48,12 @@ vtkPalpateDisplaySurface::Carrier vtkPalpateCarrierOfSpace(
   {
     return carrier;
   }
-  carrier.Settled.resize(3 * static_cast<Eigen::Index>(carrier.Points.size()));
-  for (std::size_t p = 0; p < carrier.Points.size(); ++p)
+  carrier.Settled.resize(3 * Eigen::Index{ carrier.Surface.num_points() });
+  for (std::size_t p = 0; p < carrier.Surface.points.size(); ++p)
   {
     const palpate::Vec3 by(settled->GetTuple3(space.surface.mesh_points[p]));
     carrier.Settled.segment<3>(3 * static_cast<Eigen::Index>(p)) = by.cast<float>();
-    carrier.Points[p] -= by;
+    carrier.Surface.points[p] -= by;
   }
   return carrier;
 }

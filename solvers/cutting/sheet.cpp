@@ -160,6 +160,7 @@ Sheet::Place Sheet::at(const Vec3& place) const {
   const Vec3 away = place - nearest.point;
   result.height = normal.dot(away);
   result.foot = place - result.height * normal;
+  result.normal = normal;
   const Vec3 along = away - result.height * normal;
   const bool is_inside = nearest.weights.minCoeff() > 0;
   const double size = tree_.bounds().diagonal().norm();

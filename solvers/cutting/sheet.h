@@ -28,8 +28,9 @@ class Sheet {
     double beyond = 0;
     /// The front that comes there, m.
     double front = 0;
-    /// The nearest point of the sheet as it goes on.
+    /// The nearest point of the sheet as it goes on, and its unit normal there.
     Vec3 foot = Vec3::Zero();
+    Vec3 normal = Vec3::Zero();
   };
   [[nodiscard]] Place at(const Vec3& place) const;
 

@@ -2,9 +2,9 @@
 """Cuts in a body: Place Cut, and the stages that follow from it."""
 
 import numpy
-from paraview.simple import (AssignMaterial, Calculator, CutNow, OutputPort, PassThrough, PlaceCut,
-                             Plane, PrecomputeStateSpace, SetBoundary, SolveEquilibrium,
-                             StateSpaceReader, TouchStateSpace)
+from paraview.simple import (AssignMaterial, Calculator, CarrySurface, CutNow, ExtractSurface,
+                             OutputPort, PassThrough, PlaceCut, Plane, PrecomputeStateSpace,
+                             SetBoundary, SolveEquilibrium, StateSpaceReader, TouchStateSpace)
 from support import (box_body, cell_array, expect_error, expect_silence, fetch, field, node_at,
                      places, point_array, source)
 
@@ -151,6 +151,7 @@ def test_space_of_stages():
         for y, opening in openings(
                 found, places(found) - point_array(found, "Displacement")).items():
             assert abs(opening - right.get(y, 0)) < 2e-5, (stage, y, opening, right)
+    check_display_surface(touch, solved, areas)
     check_tear(touch, areas, numpy.array(energies))
     # A run that goes on from the file finds nothing to do.
     again = space_of_stages(boundary, FileName="stages.palpate")
@@ -163,6 +164,35 @@ def test_space_of_stages():
     touch.TornArea = 0.7 * areas[1]
     for name in "Force", "Energy", "TornArea", "ReleaseRate":
         assert numpy.array_equal(field(fetch(read), name), field(fetch(touch), name)), name
+
+
+def check_display_surface(touch, solved, areas):
+    """A finer surface opens as the body does, and has its arrays and the sides of the cut."""
+    fine = ExtractSurface(Input=source(box_body((23, 13, 14), LENGTHS, False), "fine"))
+    fine = Calculator(Input=fine, ResultArrayName="Height", Function="coordsZ")
+    expected = openings(solved, places(solved))
+    for shown in (CarrySurface(Input=source(solved, "solved"), Surface=fine),
+                  TouchStateSpace(Input=touch.Input, ActiveNode=touch.ActiveNode,
+                                  Displacement=PULL, TornArea=areas[-1], DisplaySurface=fine)):
+        grid = fetch(shown)
+        u = point_array(grid, "Displacement")
+        rest = places(grid) - u
+        outside = abs(rest[:, 2] - HEIGHT) > 1e-6
+        assert numpy.allclose(point_array(grid, "Height")[outside], rest[outside, 2], atol=1e-6)
+        found = openings(grid, rest)
+        right = numpy.interp(list(found), sorted(expected), [expected[y] for y in sorted(expected)])
+        assert len(found) > 10 and right.max() > 1e-3
+        assert abs(numpy.array(list(found.values())) - right).max() < 0.05 * right.max(), (
+            found, right)
+        # Both sides of the cut, and what is around it.
+        sides = abs(rest[:, 2] - HEIGHT) < 1e-6
+        assert (sides & (rest[:, 0] > 0.005) & (abs(rest[:, 1] - 0.03) < 0.02)).sum() > 10
+    touch.TornArea = 0
+    closed = TouchStateSpace(Input=touch.Input, ActiveNode=touch.ActiveNode, Displacement=PULL,
+                             DisplaySurface=fine)
+    grid = fetch(closed)
+    gaps = openings(grid, places(grid) - point_array(grid, "Displacement"))
+    assert len(gaps) > 10 and max(gaps.values()) < 1e-4, gaps
 
 
 def check_tear(touch, areas, energies):
