@@ -62,7 +62,10 @@ palpate::Sheet vtkPalpateSheetFromPolyData(
       static_cast<palpate::Index>(c) });
   }
   std::vector<double> front(points.size());
-  if (frontArray.empty() || frontArray == "None")
+  const bool isNamed = !frontArray.empty() && frontArray != "None";
+  vtkDataArray* own = surface->GetPointData()->GetArray(vtkPalpateFrontOfSheet);
+  const bool saysItself = own && own->GetNumberOfComponents() == 1 && direction.isZero(0);
+  if (!isNamed && !saysItself)
   {
     const Vec3 along = direction.isZero(0) ? LongerSide(points, towards) : direction.normalized();
     for (std::size_t p = 0; p < points.size(); ++p)
@@ -71,7 +74,7 @@ palpate::Sheet vtkPalpateSheetFromPolyData(
     }
     return { std::move(points), std::move(corners), std::move(front) };
   }
-  vtkDataArray* array = surface->GetPointData()->GetArray(frontArray.c_str());
+  vtkDataArray* array = isNamed ? surface->GetPointData()->GetArray(frontArray.c_str()) : own;
   if (!array || array->GetNumberOfComponents() != 1)
   {
     throw palpate::InputError("FrontArray is '" + frontArray +

@@ -8,8 +8,12 @@
 
 class vtkPolyData;
 
+/// The point array by which Cut Plane says how the cut grows.
+inline constexpr const char* vtkPalpateFrontOfSheet = "Front";
+
 /// @param frontArray The point array along which the cut grows; "None": the direction says it.
-/// @param direction In which the cut grows; zero: along the longer side of the sheet.
+/// @param direction In which the cut grows; zero: as the array `Front` of the sheet says, or, if
+///   there is none, along the longer side of the sheet.
 /// @param towards The cut then grows towards this place.
 /// @throws palpate::InputError the surface is no sheet, or has no such array.
 palpate::Sheet vtkPalpateSheetFromPolyData(vtkPolyData* surface, const std::string& frontArray,

@@ -24,7 +24,7 @@ struct Tissue {
   /// The energy that it takes to open an area of a crack, J/m², and the DOI of the paper; 0: we
   /// found no measurement.
   double toughness = 0;
-  std::string toughness_doi;
+  std::string toughness_doi = {};
 };
 
 /// The tissues, which plugin/help/tissues.md lists with protocols and ranges. Users' files store

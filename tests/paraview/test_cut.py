@@ -2,8 +2,8 @@
 """Cuts in a body: Place Cut, and the stages that follow from it."""
 
 import numpy
-from paraview.simple import (AssignMaterial, Calculator, CarrySurface, CutNow, ExtractSurface,
-                             OutputPort, PassThrough, PlaceCut, Plane, PrecomputeStateSpace,
+from paraview.simple import (AssignMaterial, Calculator, CarrySurface, CutNow, CutPlane,
+                             ExtractSurface, OutputPort, PassThrough, PlaceCut, Plane, PrecomputeStateSpace,
                              SetBoundary, SolveEquilibrium, StateSpaceReader, TouchStateSpace)
 from support import (box_body, cell_array, expect_error, expect_silence, fetch, field, node_at,
                      places, point_array, source)
@@ -214,6 +214,32 @@ def check_tear(touch, areas, energies):
         if areas[1] < torn[-1] < areas[-1]:
             assert numpy.isclose(field(found, "ReleaseRate")[0], toughness, rtol=1e-6)
     assert (numpy.diff(torn) >= 0).all() and torn[0] == areas[1] and torn[-1] > torn[0], torn
+
+
+def test_cut_plane():
+    """A plane by its end, its normal and a direction makes the cut of a sheet that is given."""
+    grid = body("planes")
+    end = {"Origin": [DEPTH, 0.03, HEIGHT], "Normal": [0, 0, 2]}
+    given = fetch(PlaceCut(Input=grid, Sheet=sheet(), CutDirection=[1, 0, 0], StageSpacing=0.01))
+    for direction in [1, 0, 0], [3, 0, 7], [0, 0, 0]:
+        plane = CutPlane(Input=grid, CutDirection=direction, **end)
+        cut = fetch(PlaceCut(Input=grid, Sheet=plane, StageSpacing=0.01))
+        assert numpy.allclose(field(cut, "StageArea"), field(given, "StageArea"), rtol=1e-6)
+    narrow = CutPlane(Input=grid, CutDirection=[1, 0, 0], Width=0.03, **end)
+    area = field(fetch(PlaceCut(Input=grid, Sheet=narrow, StageSpacing=0.01)), "StageArea").ravel()
+    assert 0.3 < area[-1] / field(given, "StageArea").ravel()[-1] < 0.8
+    # From the side that is said, and at the middle of the body from any side.
+    back = CutPlane(Input=grid, CutDirection=[-1, 0, 0], **end)
+    front = point_array(fetch(back), "Front")
+    assert numpy.allclose((places(fetch(back)) - places(fetch(back))[0])[:, 0], front[0] - front)
+    middle = CutPlane(Input=grid, Origin=[x / 2 for x in LENGTHS], Normal=[0, 0, 1])
+    assert fetch(PlaceCut(Input=grid, Sheet=middle)).GetNumberOfCells() > 0
+    outside = {"Origin": [-1, 0.03, HEIGHT], "Normal": [0, 0, 1]}
+    for wrong, *words in (
+            ({**end, "CutDirection": [0, 0, 1]}, "along the normal"),
+            ({**end, "Width": -1}, "Width"), ({**end, "Normal": [0, 0, 0]}, "Normal"),
+            ({**outside, "CutDirection": [1, 0, 0]}, "before it comes to the body", "Origin")):
+        expect_error(CutPlane(Input=grid, **wrong).UpdatePipeline, *words)
 
 
 def test_tears_in_a_solve():
