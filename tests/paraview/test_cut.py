@@ -3,8 +3,9 @@
 
 import numpy
 from paraview.simple import (AssignMaterial, Calculator, CarrySurface, CutNow, CutPlane,
-                             ExtractSurface, OutputPort, PassThrough, PlaceCut, Plane, PrecomputeStateSpace,
-                             SetBoundary, SolveEquilibrium, StateSpaceReader, TouchStateSpace)
+                             ExtractSurface, OutputPort, PassThrough, PlaceCut, Plane,
+                             PrecomputeStateSpace, SetBoundary, SolveEquilibrium, StateSpaceReader,
+                             TouchStateSpace)
 from support import (box_body, cell_array, expect_error, expect_silence, fetch, field, node_at,
                      places, point_array, source)
 
