@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "interaction/motion_kind.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <string>
 #include <utility>
 
 #include "base/error.h"
 #include "interaction/kind_list.h"
+#include "interaction/trocar_pose.h"
 
 namespace palpate {
 namespace {
@@ -21,9 +24,38 @@ class TranslatedKind final : public MotionKind {
   }
 };
 
+class TrocarKind final : public MotionKind {
+ public:
+  TrocarKind() = default;
+  [[nodiscard]] ToolMotion number() const override { return ToolMotion::trocar; }
+  [[nodiscard]] PoseMapPtr make(const std::vector<double>& numbers) const override {
+    return trocar_pose(Trocar::from(numbers));
+  }
+  // The tool is moved about the way from the body to the trocar.
+  void complete(const Scene& scene, std::vector<double>& numbers) const override {
+    if (numbers.size() != 12) return;
+    Eigen::Map<Vec3> towards(numbers.data() + 9);
+    if (!towards.isZero(0)) return;
+    Vec3 middle = Vec3::Zero();
+    double count = 0;
+    for (std::size_t p = 0; p < scene.body.touchable.size(); ++p) {
+      if (scene.body.touchable[p] == 0) continue;
+      middle += scene.body.mesh.points[p];
+      ++count;
+    }
+    const Vec3 way = Eigen::Map<const Vec3>(numbers.data()) - middle / std::max(count, 1.0);
+    towards = way.isZero() ? Vec3(Vec3::UnitZ()) : Vec3(way.normalized());
+  }
+  [[nodiscard]] std::optional<Vec3> torque(const std::vector<double>& numbers, const Vec3& q,
+                                           const Vec3& h) const override {
+    return Vec3((q - Trocar::from(numbers).place).cross(h));
+  }
+};
+
 KindList<MotionKind>& kinds_of_motions() {
   static KindList<MotionKind> all("a motion of a tool", "A rigid tool has the unknown motion",
-                                  std::make_unique<const TranslatedKind>());
+                                  std::make_unique<const TranslatedKind>(),
+                                  std::make_unique<const TrocarKind>());
   return all;
 }
 

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "assembly/scene.h"
 #include "interaction/pose_map.h"
 #include "interaction/rigid_tool.h"
 
@@ -21,6 +23,15 @@ class MotionKind {
   [[nodiscard]] virtual ToolMotion number() const = 0;
   /// @throws InputError the numbers are not those of such a motion.
   [[nodiscard]] virtual PoseMapPtr make(const std::vector<double>& numbers) const = 0;
+  /// Fills in numbers that were left open, for a body.
+  /// @throws InputError the motion does not suit the body.
+  virtual void complete(const Scene& /*scene*/, std::vector<double>& /*numbers*/) const {}
+  /// The torque of a force h along the coordinates q that are lengths, about the point around which
+  /// the tool turns [3], N·m; nothing: it does not turn.
+  [[nodiscard]] virtual std::optional<Vec3> torque(const std::vector<double>& /*numbers*/,
+                                                   const Vec3& /*q*/, const Vec3& /*h*/) const {
+    return {};
+  }
 
  protected:
   MotionKind() = default;

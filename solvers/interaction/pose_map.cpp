@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "interaction/pose_map.h"
 
+#include "base/error.h"
+
 namespace palpate {
 namespace {
 
@@ -14,6 +16,11 @@ class TranslatedPose final : public PoseMap {
       for (int i = 0; i < 3; ++i) pose.place_by[i] = Vec3::Unit(i);
     }
     return pose;
+  }
+  [[nodiscard]] Pose at(const Eigen::VectorXd& q) const override { return {q, Mat3::Identity()}; }
+  [[nodiscard]] Stretch stretch(const Eigen::VectorXd& /*q*/,
+                                const Eigen::AlignedBox3d& /*bounds*/) const override {
+    return {};
   }
 };
 
@@ -45,6 +52,14 @@ Vec3 PoseJet::point_by_two(const Vec3& y, int i, int j) const {
   return rotation_by_two[i][j].transpose() * (rotation * y) -
          rotation_by[i].transpose() * place_by[j] - rotation_by[j].transpose() * place_by[i] -
          rotation.transpose() * place_by_two[i][j];
+}
+
+PoseMap::Stretch PoseMap::stretch(const Eigen::VectorXd& /*q*/,
+                                  const Eigen::AlignedBox3d& /*bounds*/) const {
+  throw InputError(
+      "The tool turns as it moves, by coordinates of its own. The way on which such a tool comes "
+      "to "
+      "a body is not found. Choose another motion of the tool.");
 }
 
 PoseMapPtr translated_pose() {

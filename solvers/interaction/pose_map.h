@@ -8,7 +8,9 @@
 // distance at y. The force along each coordinate follows from the derivatives of y and m by q.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
+#include <limits>
 #include <memory>
 
 #include "base/types.h"
@@ -19,6 +21,17 @@ namespace palpate {
 inline constexpr int kMaxPoseCoordinates = 6;
 /// A vector for each coordinate [3 × d].
 using PoseColumns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxPoseCoordinates>;
+
+/// Where a tool is, and how it is turned.
+struct Pose {
+  /// p, m, and R.
+  Vec3 place = Vec3::Zero();
+  Mat3 rotation = Mat3::Identity();
+
+  /// The place y of a point at x, in the tool's axes, and the other way.
+  [[nodiscard]] Vec3 in_tool(const Vec3& x) const { return rotation.transpose() * (x - place); }
+  [[nodiscard]] Vec3 in_scene(const Vec3& y) const { return place + rotation * y; }
+};
 
 /// A pose and its derivatives.
 struct PoseJet {
@@ -69,6 +82,25 @@ class PoseMap {
   /// @param order The order of the highest derivative that is wanted, 0 … 2. Higher derivatives are
   ///   zero.
   [[nodiscard]] virtual PoseJet evaluate(const Eigen::VectorXd& q, int order = 2) const = 0;
+  /// The pose alone.
+  [[nodiscard]] virtual Pose at(const Eigen::VectorXd& q) const {
+    const PoseJet jet = evaluate(q, 0);
+    return {jet.place, jet.rotation};
+  }
+  /// @throws InputError there is no pose at q. The message says what to do.
+  virtual void check(const Eigen::VectorXd& /*q*/) const {}
+
+  /// How far the points of a tool move as its coordinates do.
+  struct Stretch {
+    /// The way of any point of the tool is at most so many times that of q, m/m,
+    double most = 1;
+    /// as long as q moves no farther than this, m.
+    double within = std::numeric_limits<double>::infinity();
+  };
+  /// @param bounds The box around the tool, in its own axes, m.
+  /// @throws InputError the coordinates are not three lengths.
+  [[nodiscard]] virtual Stretch stretch(const Eigen::VectorXd& q,
+                                        const Eigen::AlignedBox3d& bounds) const;
 
  protected:
   PoseMap() = default;

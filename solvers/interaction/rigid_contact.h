@@ -38,6 +38,7 @@ class RigidContact final : public Interaction {
 
   [[nodiscard]] const RigidShape& shape() const { return *shape_; }
   [[nodiscard]] const PoseMap& pose() const { return *pose_; }
+  [[nodiscard]] const PoseMapPtr& pose_ptr() const { return pose_; }
   [[nodiscard]] const RigidShapePtr& shape_ptr() const { return shape_; }
   [[nodiscard]] const ContactSurface& surface() const { return *surface_; }
   [[nodiscard]] const std::shared_ptr<const ContactSurface>& surface_ptr() const {

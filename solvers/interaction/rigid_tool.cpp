@@ -103,6 +103,7 @@ RigidTool with_defaults(RigidTool tool, const Scene& scene) {
     law.stiffness = moduli * mean_youngs_modulus(scene);
   }
   if (is_calibrated) law.offset = calibrated_offset(law, scene);
+  motion_kind(tool.motion).complete(scene, tool.motion_numbers);
   return tool;
 }
 

@@ -16,7 +16,7 @@ namespace palpate {
 /// The numbers are stored in files: do not change them.
 enum class ToolShape : std::int32_t { sphere = 0, capsule = 1, surface = 2 };
 /// A file does not have these numbers yet: in a state space all tools are translated.
-enum class ToolMotion : std::int32_t { translated = 0 };
+enum class ToolMotion : std::int32_t { translated = 0, trocar = 1 };
 
 struct RigidTool {
   ToolShape shape = ToolShape::sphere;
@@ -66,7 +66,8 @@ inline constexpr double kCalibratedDepth = 0.07;
 [[nodiscard]] double usual_thickness(const RigidTool& tool);
 
 /// Returns the tool with a thickness or stiffness of 0 replaced by one that suits the tool and the
-/// body. If both are 0, it also sets the offset.
+/// body. If both are 0, it also sets the offset. Numbers of its motion that follow from the body
+/// are filled in.
 [[nodiscard]] RigidTool with_defaults(RigidTool tool, const Scene& scene);
 
 /// The mean by area of Young's modulus at small strain of the cells under the touchable surface,

@@ -16,6 +16,10 @@ namespace {
 constexpr double kUsableGradient = 0.5;
 /// The least cosine between the normal of a face and the direction from which a tool comes to it.
 constexpr double kTowards = 0.5;
+/// Of the search for coordinates at which the tool presses: the most steps, and the error at which
+/// it ends, in thicknesses of the layer.
+constexpr int kMostSteps = 50;
+constexpr double kFound = 1e-9;
 
 std::vector<BoxTree::Box> boxes_of(const std::vector<Vec3>& points) {
   std::vector<BoxTree::Box> boxes;
@@ -24,33 +28,16 @@ std::vector<BoxTree::Box> boxes_of(const std::vector<Vec3>& points) {
   return boxes;
 }
 
-Mat3 rotation_of(const PoseMap& pose) {
-  if (pose.num_coordinates() == 3) {
-    const PoseJet at = pose.evaluate(Vec3::Zero(), 1);
-    const bool is_place = at.place == Vec3::Zero() && at.place_by[0] == Vec3::UnitX() &&
-                          at.place_by[1] == Vec3::UnitY() && at.place_by[2] == Vec3::UnitZ();
-    if (is_place && !at.turns) return at.rotation;
-  }
-  throw InputError(
-      "The tool turns as it moves, or its coordinates are not the place of its centre. The way on "
-      "which such a tool comes to a body is not found. Choose another motion of the tool.");
-}
-
-std::vector<RigidShape::Ball> turned(std::vector<RigidShape::Ball> balls, const Mat3& rotation) {
-  for (RigidShape::Ball& ball : balls) ball.centre = rotation * ball.centre;
-  return balls;
-}
-
 }  // namespace
 
 ToolClearance::ToolClearance(const Body& body, const SettledBody& at_rest,
                              const RigidContact& contact)
     : shape_(contact.shape_ptr()),
-      rotation_(rotation_of(contact.pose())),
+      pose_(contact.pose_ptr()),
       surface_(contact.surface_ptr()),
       margin_(contact.law().reach() + 2 * shape_->error()),
       body_(points_at_rest(body.mesh, at_rest), boundary_triangles(body.mesh)),
-      balls_(turned(shape_->balls(), rotation_)),
+      balls_(shape_->balls()),
       is_large_(2 * shape_->bounding_radius() > body_.bounds().diagonal().norm()),
       points_(contact.surface().places(points_at_rest(body.mesh, at_rest))),
       tree_(boxes_of(points_)) {
@@ -58,16 +45,18 @@ ToolClearance::ToolClearance(const Body& body, const SettledBody& at_rest,
   in_order.reserve(points_.size());
   for (const Index p : tree_.order()) in_order.push_back(points_[static_cast<std::size_t>(p)]);
   points_ = std::move(in_order);
+  // A motion by other coordinates is refused here.
+  (void)pose_->stretch(body_.bounds().center(), shape_->bounds());
 }
 
-ToolClearance::Deepest ToolClearance::deepest_of_body(const Vec3& q) const {
+ToolClearance::Deepest ToolClearance::deepest_of_body(const Pose& pose) const {
   // A place that is farther from the centre than the tool reaches beyond the least distance so far
   // cannot be nearer to the tool.
   const double reach = shape_->bounding_radius();
   Deepest deepest{std::numeric_limits<double>::infinity(), -1};
   double squared = deepest.gap;
-  tree_.for_near(q, squared, [&](Index place) {
-    const double distance = gap(points_[static_cast<std::size_t>(place)], q);
+  tree_.for_near(pose.place, squared, [&](Index place) {
+    const double distance = gap(points_[static_cast<std::size_t>(place)], pose);
     if (!(distance < deepest.gap)) return;
     deepest = {distance, place};
     const double farthest = std::max(distance + reach, 0.0);
@@ -77,17 +66,21 @@ ToolClearance::Deepest ToolClearance::deepest_of_body(const Vec3& q) const {
 }
 
 double ToolClearance::clearance(const Vec3& q) const {
-  const double of_layer = deepest_of_body(q).gap - margin_;
+  const Pose pose = pose_->at(q);
+  const double of_layer = deepest_of_body(pose).gap - margin_;
   // A tool that touches nothing may still be within the body. It counts as within as long as its
   // centre is.
-  const double of_centre = body_.nearest(q).distance;
-  return of_centre < 0 ? std::min(of_layer, of_centre) : of_layer;
+  const double of_centre = body_.nearest(pose.place).distance;
+  const double clear = of_centre < 0 ? std::min(of_layer, of_centre) : of_layer;
+  const PoseMap::Stretch stretch = pose_->stretch(q, shape_->bounds());
+  return clear > 0 ? std::min(clear / stretch.most, stretch.within) : clear;
 }
 
 bool ToolClearance::is_inside(const Vec3& q) const {
+  const Pose pose = pose_->at(q);
   const std::vector<Vec3> places = shape_->inner_places();
   return std::any_of(places.begin(), places.end(), [&](const Vec3& place) {
-    return body_.nearest(q + rotation_ * place).distance < 0;
+    return body_.nearest(pose.in_scene(place)).distance < 0;
   });
 }
 
@@ -95,8 +88,9 @@ ToolClearance::Approach ToolClearance::approach(const Vec3& q) const {
   Approach deepest;
   deepest.depth = -std::numeric_limits<double>::infinity();
   Index hint = -1;
+  const Pose pose = pose_->at(q);
   for (const RigidShape::Ball& ball : balls_) {
-    const Vec3 centre = q + ball.centre;
+    const Vec3 centre = pose.in_scene(ball.centre);
     const SurfaceTree::Nearest nearest = body_.nearest(centre, hint);
     hint = nearest.triangle;
     const double depth = ball.radius - nearest.distance;
@@ -109,15 +103,15 @@ ToolClearance::Approach ToolClearance::approach(const Vec3& q) const {
                       ? Vec3((centre - nearest.point) / nearest.distance)
                       : nearest.normal;
   }
-  if (is_large_) deepen(q, deepest);
+  if (is_large_) deepen(pose, deepest);
   return deepest;
 }
 
-void ToolClearance::deepen(const Vec3& q, Approach& approach) const {
-  const Deepest of_body = deepest_of_body(q);
+void ToolClearance::deepen(const Pose& pose, Approach& approach) const {
+  const Deepest of_body = deepest_of_body(pose);
   if (of_body.place < 0 || !(-of_body.gap > approach.depth)) return;
   const Vec3& place = points_[static_cast<std::size_t>(of_body.place)];
-  const Vec3 away = -gap_gradient(place, q);
+  const Vec3 away = -gap_gradient(place, pose);
   // Beyond the layer, a shape may have no gradient.
   if (!(away.norm() > kUsableGradient)) return;
   approach.depth = -of_body.gap;
@@ -139,7 +133,7 @@ std::vector<Vec3> ToolClearance::directions_out(const Vec3& q) const {
     for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * Vec3::Unit(k));
   }
   // For a plate, add the two directions across it, whichever way it lies.
-  const Vec3 across = gap_gradient(body_.bounds().center(), q);
+  const Vec3 across = gap_gradient(body_.bounds().center(), pose_->at(q));
   if (across.norm() > kUsableGradient) {
     for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * across.normalized());
   }
@@ -158,17 +152,29 @@ std::optional<double> ToolClearance::way_out(const Vec3& q, const Vec3& directio
 }
 
 Vec3 ToolClearance::pressed(const Vec3& point, const Vec3& normal, double depth) const {
-  const auto reach = [&](const RigidShape::Ball& ball) {
-    return ball.radius - ball.centre.dot(normal);
-  };
-  const auto deepest = std::max_element(
-      balls_.begin(), balls_.end(),
-      [&](const RigidShape::Ball& a, const RigidShape::Ball& b) { return reach(a) < reach(b); });
-  return point + (deepest->radius - depth) * normal - deepest->centre;
+  // As the tool is turned at q, its deepest ball is at its depth. A tool that turns as it comes is
+  // found step by step.
+  Vec3 q = point;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Pose pose = pose_->at(q);
+    const auto reach = [&](const RigidShape::Ball& ball) {
+      return ball.radius - (pose.rotation * ball.centre).dot(normal);
+    };
+    const auto deepest = std::max_element(
+        balls_.begin(), balls_.end(),
+        [&](const RigidShape::Ball& a, const RigidShape::Ball& b) { return reach(a) < reach(b); });
+    const Vec3 found = point + (deepest->radius - depth) * normal -
+                       ((pose.place - q) + pose.rotation * deepest->centre);
+    const double missing = (found - q).norm();
+    q = found;
+    if (missing <= kFound * margin_) break;
+  }
+  return q;
 }
 
 Vec3 ToolClearance::start_for(const Vec3& q) const {
   if (!q.allFinite()) throw InputError("The place of the tool is not finite.");
+  pose_->check(q);
   if (const std::optional<Vec3> start = find_start(q)) return *start;
   throw InputError("No way leads from outside of the body along its normal to " + quantity(q, "m") +
                    ". Choose another place for the tool.");
@@ -198,10 +204,17 @@ std::optional<Vec3> ToolClearance::find_start(const Vec3& q) const {
 
 Eigen::AlignedBox3d ToolClearance::bounds() const {
   const Eigen::AlignedBox3d body = body_.bounds();
+  // From the coordinates to the corners of the tool, as it is turned at the corners of the body.
   Eigen::AlignedBox3d tool;
-  for (int corner = 0; corner < 8; ++corner) {
-    tool.extend(rotation_ *
-                shape_->bounds().corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  const auto corner_of = [](const Eigen::AlignedBox3d& box, int corner) {
+    return Vec3(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  };
+  for (int at = 0; at < 8; ++at) {
+    const Vec3 q = corner_of(body, at);
+    const Pose pose = pose_->at(q);
+    for (int corner = 0; corner < 8; ++corner) {
+      tool.extend((pose.place - q) + pose.rotation * corner_of(shape_->bounds(), corner));
+    }
   }
   const Vec3 margin = Vec3::Constant(margin_);
   return {body.min() - tool.max() - margin, body.max() - tool.min() + margin};

@@ -26,8 +26,7 @@ class ToolClearance {
  public:
   /// @param at_rest The body at rest under its loads.
   /// @param contact The contact of the tool with this body.
-  /// @throws InputError the tool turns as it moves, or its coordinates are not the place of its
-  ///   centre.
+  /// @throws InputError the coordinates of the tool are not three lengths, see PoseMap::stretch().
   ToolClearance(const Body& body, const SettledBody& at_rest, const RigidContact& contact);
 
   /// A distance, m, by which the tool at q may be moved in any direction without touching the body
@@ -49,8 +48,8 @@ class ToolClearance {
     std::array<Index, 3> around{};
   };
   [[nodiscard]] Approach approach(const Vec3& q) const;
-  /// The place of the tool at which it has a depth in a surface that is flat around a point, m. It
-  /// is the inverse of approach(), except where the body is curved.
+  /// The coordinates of the tool at which it has a depth in a surface that is flat around a point,
+  /// m. It is the inverse of approach(), except where the body is curved.
   /// @param normal The outward normal of the surface, of unit length.
   /// @param depth The depth, m; negative: the tool is clear of the surface.
   [[nodiscard]] Vec3 pressed(const Vec3& point, const Vec3& normal, double depth) const;
@@ -78,9 +77,9 @@ class ToolClearance {
     /// An index into points_; −1: none is within reach.
     Index place = -1;
   };
-  [[nodiscard]] Deepest deepest_of_body(const Vec3& q) const;
+  [[nodiscard]] Deepest deepest_of_body(const Pose& pose) const;
   /// Takes the places of the body that lie in the tool into account.
-  void deepen(const Vec3& q, Approach& approach) const;
+  void deepen(const Pose& pose, Approach& approach) const;
   /// The distance that the tool must go in a direction until it touches nothing, m; nothing: it is
   /// too far.
   [[nodiscard]] std::optional<double> way_out(const Vec3& q, const Vec3& direction) const;
@@ -89,23 +88,22 @@ class ToolClearance {
   /// Directions in which a large tool may be clear of the body soon.
   [[nodiscard]] std::vector<Vec3> directions_out(const Vec3& q) const;
 
-  /// The signed distance to the tool at q of a place, m, and its gradient.
-  [[nodiscard]] double gap(const Vec3& place, const Vec3& q) const {
-    return shape_->value(rotation_.transpose() * (place - q));
+  /// The signed distance to the tool of a place, m, and its gradient.
+  [[nodiscard]] double gap(const Vec3& place, const Pose& pose) const {
+    return shape_->value(pose.in_tool(place));
   }
-  [[nodiscard]] Vec3 gap_gradient(const Vec3& place, const Vec3& q) const {
-    return rotation_ * shape_->evaluate(rotation_.transpose() * (place - q), 1).gradient;
+  [[nodiscard]] Vec3 gap_gradient(const Vec3& place, const Pose& pose) const {
+    return pose.rotation * shape_->evaluate(pose.in_tool(place), 1).gradient;
   }
 
   RigidShapePtr shape_;
-  /// The rotation of the tool, the same at all places.
-  Mat3 rotation_;
+  PoseMapPtr pose_;
   std::shared_ptr<const ContactSurface> surface_;
   /// The reach of the layer of contact plus twice the error of the shape, m. The values of the
   /// shape at two places differ by no more than their distance plus twice that error.
   double margin_;
   SurfaceTree body_;
-  /// The balls of the shape, in the axes of the scene.
+  /// The balls of the shape, in its own axes.
   std::vector<RigidShape::Ball> balls_;
   /// Whether the tool is larger than the body.
   bool is_large_;

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An instrument that goes through a trocar."""
+
+import numpy
+from paraview.simple import AssignMaterial, PrecomputeStateSpace, SetBoundary, SolveEquilibrium
+from support import box_body, expect_error, fetch, field, point_array, source
+
+LENGTHS = (0.1, 0.06, 0.05)
+TIP = numpy.array([0.055, 0.03, 0.053])
+TROCAR = numpy.array([0.09, 0.05, 0.16])
+RADIUS, LENGTH = 0.006, 0.03
+
+
+def held(name="block"):
+    boundary = SetBoundary(Input=AssignMaterial(Input=source(box_body((8, 5, 4), LENGTHS), name),
+                                                Law="Neo-Hookean", YoungsModulus=3000),
+                           FixedRegion="Plane")
+    boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 1e-6], [0, 0, 1]
+    return boundary
+
+
+def through(solve, trocar=TROCAR, axis=(0, 0, 1)):
+    """Gives a filter the rod that goes through the trocar."""
+    solve.Tool = "Capsule"
+    solve.Tool.Radius, solve.Tool.Length, solve.Tool.Axis = RADIUS, LENGTH, list(axis)
+    solve.Tool.Motion = "Through A Trocar"
+    solve.Tool.Motion.TrocarPoint = list(trocar)
+    return solve
+
+
+def test_presses_as_the_rod_that_lies_there():
+    """The body is as if the rod lay there."""
+    body = held()
+    turned = through(SolveEquilibrium(Input=body, ToolPosition=list(TIP)))
+    found = fetch(turned)
+    assert field(found, "Outcome")[0] == 0
+    force = field(found, "ReactionForce").ravel()
+    torque = field(found, "ReactionTorque").ravel()
+    assert numpy.linalg.norm(force) > 0.02
+    assert numpy.allclose(torque, numpy.cross(TIP - TROCAR, force), rtol=1e-12)
+    axis = (TROCAR - TIP) / numpy.linalg.norm(TROCAR - TIP)
+    straight = SolveEquilibrium(Input=body, ToolPosition=list(TIP + 0.5 * LENGTH * axis))
+    straight.Tool = "Capsule"
+    straight.Tool.Radius, straight.Tool.Length = RADIUS, LENGTH
+    straight.Tool.Axis = list(axis)
+    lies = fetch(straight)
+    assert not lies.GetFieldData().HasArray("ReactionTorque")
+    assert numpy.isclose(field(found, "Energy")[0], field(lies, "Energy")[0], rtol=1e-6)
+    u, expected = (point_array(grid, "Displacement") for grid in (found, lies))
+    assert abs(u - expected).max() < 1e-6 * abs(expected).max()
+    # Along the axis the rod slides alone. About the centre of its cap hardly a torque acts.
+    moved = field(lies, "ReactionForce").ravel()
+    assert numpy.isclose(force @ axis, moved @ axis, rtol=1e-5)
+    assert numpy.linalg.norm(force - moved) < 1e-3 * numpy.linalg.norm(force)
+    # Whatever way the rod pointed when it was made.
+    other = through(SolveEquilibrium(Input=body, ToolPosition=list(TIP)), axis=(1, 0.2, -0.3))
+    assert numpy.allclose(field(fetch(other), "ReactionForce").ravel(), force, rtol=1e-5)
+
+
+def test_refused():
+    body = held("refused")
+    behind = through(SolveEquilibrium(Input=body, ToolPosition=list(TIP)), [0.05, 0.03, -5])
+    # The body lies between the tip and that trocar: the tool would come from below.
+    behind.ToolPosition = [0.05, 0.03, -6]
+    expect_error(behind.UpdatePipeline, "TrocarPoint")
+    space = through(PrecomputeStateSpace(Input=body, FileName="trocar.palpate"))
+    expect_error(space.UpdatePipeline, "Set Motion of Tool to Translated")
+
+
+if __name__ == "__main__":
+    for test_name, test in list(globals().items()):
+        if test_name.startswith("test_"):
+            test()
+            print(test_name, "passed", flush=True)
