@@ -261,7 +261,7 @@ vtkPalpateSolveDynamics::Setup vtkPalpateSolveDynamics::MakeSetup(
     return setup;
   }
   const palpate::RigidTool tool =
-    palpate::with_defaults(this->Tool->DescribeTranslated(surface), setup.Scene);
+    palpate::with_defaults(this->Tool->Describe(surface), setup.Scene);
   const palpate::RigidContact contact = palpate::make_contact(setup.Scene.body, tool);
   const palpate::ToolClearance clearance(setup.Scene.body, {}, contact);
   const Eigen::VectorXd first = setup.Path.at(0);

@@ -258,7 +258,7 @@ vtkMTimeType vtkPalpatePrecomputeStateSpace::GetMTime()
 palpate::ContactOptions vtkPalpatePrecomputeStateSpace::Contact(vtkPolyData* surface)
 {
   palpate::ContactOptions contact;
-  contact.tool = this->Tool->DescribeTranslated(surface);
+  contact.tool = this->Tool->Describe(surface);
   contact.spacing = this->Spacing;
   contact.shell.depth = this->Depth;
   contact.shell.begin_at = palpate::Vec3(this->BeginAt);

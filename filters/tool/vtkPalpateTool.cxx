@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/error.h"
 #include "interaction/motion_kind.h"
 #include "interaction/rigid_tool.h"
 #include "interaction/shape_kind.h"
@@ -43,17 +42,6 @@ palpate::RigidTool vtkPalpateTool::Describe(vtkPolyData* surface) const
     this->Motion->Describe(tool);
   }
   tool.law = { this->ContactThickness, this->ContactStiffness };
-  return tool;
-}
-
-palpate::RigidTool vtkPalpateTool::DescribeTranslated(vtkPolyData* surface) const
-{
-  palpate::RigidTool tool = this->Describe(surface);
-  if (tool.motion != palpate::ToolMotion::translated)
-  {
-    throw palpate::InputError("The tool turns as it moves, which is known to Solve Equilibrium and "
-                              "Refine Mesh alone. Set Motion of Tool to Translated here.");
-  }
   return tool;
 }
 

@@ -59,9 +59,6 @@ public:
   ///   missing.
   /// @throws palpate::InputError the surface is needed but missing, or is not valid.
   palpate::RigidTool Describe(vtkPolyData* surface) const;
-  /// Returns a tool that does not turn.
-  /// @throws palpate::InputError it has another motion; or as Describe().
-  palpate::RigidTool DescribeTranslated(vtkPolyData* surface) const;
 
   ///@{
   /// Adds a kind of shape or motion that a plugin of its own brings, see palpate::add_shape_kind()

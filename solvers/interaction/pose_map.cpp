@@ -54,12 +54,17 @@ Vec3 PoseJet::point_by_two(const Vec3& y, int i, int j) const {
          rotation.transpose() * place_by_two[i][j];
 }
 
-PoseMap::Stretch PoseMap::stretch(const Eigen::VectorXd& /*q*/,
+PoseMap::Stretch PoseMap::stretch(const Eigen::VectorXd& q,
                                   const Eigen::AlignedBox3d& /*bounds*/) const {
+  if (num_coordinates() == 3) {
+    const PoseJet at = evaluate(q, 1);
+    const bool is_place = at.place == Vec3(q) && at.place_by[0] == Vec3::UnitX() &&
+                          at.place_by[1] == Vec3::UnitY() && at.place_by[2] == Vec3::UnitZ();
+    if (is_place && !at.turns) return {};
+  }
   throw InputError(
-      "The tool turns as it moves, by coordinates of its own. The way on which such a tool comes "
-      "to "
-      "a body is not found. Choose another motion of the tool.");
+      "The tool turns as it moves, or its coordinates are not the place of its centre. The way on "
+      "which such a tool comes to a body is not found. Choose another motion of the tool.");
 }
 
 PoseMapPtr translated_pose() {

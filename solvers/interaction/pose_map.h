@@ -98,7 +98,8 @@ class PoseMap {
     double within = std::numeric_limits<double>::infinity();
   };
   /// @param bounds The box around the tool, in its own axes, m.
-  /// @throws InputError the coordinates are not three lengths.
+  /// @throws InputError this is not known: the tool turns, or its coordinates are not the place of
+  ///   its centre, and the map has no bound of its own.
   [[nodiscard]] virtual Stretch stretch(const Eigen::VectorXd& q,
                                         const Eigen::AlignedBox3d& bounds) const;
 

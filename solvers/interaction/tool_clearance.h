@@ -26,7 +26,7 @@ class ToolClearance {
  public:
   /// @param at_rest The body at rest under its loads.
   /// @param contact The contact of the tool with this body.
-  /// @throws InputError the coordinates of the tool are not three lengths, see PoseMap::stretch().
+  /// @throws InputError how far the points of the tool move is not known, see PoseMap::stretch().
   ToolClearance(const Body& body, const SettledBody& at_rest, const RigidContact& contact);
 
   /// A distance, m, by which the tool at q may be moved in any direction without touching the body

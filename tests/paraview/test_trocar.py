@@ -23,7 +23,7 @@ def through(solve, trocar=TROCAR, axis=(0, 0, 1)):
     """Gives a filter the rod that goes through the trocar."""
     solve.Tool = "Capsule"
     solve.Tool.Radius, solve.Tool.Length, solve.Tool.Axis = RADIUS, LENGTH, list(axis)
-    solve.Tool.Motion = "Through A Trocar"
+    solve.Tool.Motion = "Trocar"
     solve.Tool.Motion.TrocarPoint = list(trocar)
     return solve
 
@@ -64,7 +64,7 @@ def test_refused():
     behind.ToolPosition = [0.05, 0.03, -6]
     expect_error(behind.UpdatePipeline, "TrocarPoint")
     space = through(PrecomputeStateSpace(Input=body, FileName="trocar.palpate"))
-    expect_error(space.UpdatePipeline, "Set Motion of Tool to Translated")
+    expect_error(space.UpdatePipeline, "Translated")
 
 
 if __name__ == "__main__":

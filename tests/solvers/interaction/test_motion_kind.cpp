@@ -32,10 +32,6 @@ class TiltedPose final : public PoseMap {
     pose.rotation = rotation_;
     return pose;
   }
-  [[nodiscard]] Stretch stretch(const Eigen::VectorXd& /*q*/,
-                                const Eigen::AlignedBox3d& /*bounds*/) const override {
-    return {};
-  }
 
  private:
   Mat3 rotation_;
