@@ -57,8 +57,7 @@ bool same_workspace(const ServoSettings& a, const ServoSettings& b) {
 bool same_energy(const LoopInbox::Settings& a, const LoopInbox::Settings& b) {
   return a.servo.force_scale == b.servo.force_scale &&
          a.touch.coupling_stiffness == b.touch.coupling_stiffness &&
-         a.touch.blade_stiffness == b.touch.blade_stiffness &&
-         a.touch.friction == b.touch.friction;
+         a.touch.blade_stiffness == b.touch.blade_stiffness && a.touch.friction == b.touch.friction;
 }
 
 }  // namespace
