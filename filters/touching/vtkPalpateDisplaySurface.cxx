@@ -116,7 +116,7 @@ struct vtkPalpateDisplaySurface::Embedded
     std::vector<Vec3> embedded = PointsOf(surface);
     if (!carrier.Surface.stages_of_cut.empty())
     {
-      embedded = this->Split(surface, carrier.Surface);
+      embedded = this->Split(surface, embedded, carrier.Surface);
     }
     this->Points = PointsOf(this->Shown);
     this->Embedding = std::make_unique<palpate::SurfaceEmbedding>(
@@ -163,10 +163,11 @@ struct vtkPalpateDisplaySurface::Embedded
   std::size_t NumberOfNormals = 0;
 
   /// Splits the surface along the cut of the carrier, and adds the sides of that.
+  /// @param given The places of its points.
   /// @return Where each point looks for what it follows, without those of the sides.
-  std::vector<Vec3> Split(vtkPolyData* surface, const palpate::Surface& carrier)
+  std::vector<Vec3> Split(
+    vtkPolyData* surface, const std::vector<Vec3>& given, const palpate::Surface& carrier)
   {
-    const std::vector<Vec3> given = PointsOf(surface);
     std::vector<std::array<Index, 3>> triangles;
     vtkIdType count;
     const vtkIdType* ids;
@@ -198,14 +199,14 @@ struct vtkPalpateDisplaySurface::Embedded
     vtkCellData* ofCells = this->Shown->GetCellData();
     ofCells->Initialize();
     ofCells->CopyAllocate(surface->GetCellData());
-    // A triangle at each of the given points.
-    std::vector<vtkIdType> cellAt(given.size(), 0);
     for (std::size_t t = 0; t < split.triangles.size(); ++t)
     {
       const auto& [a, b, c] = split.triangles[t];
       ofCells->CopyData(
         surface->GetCellData(), split.parents[t], polys->InsertNextCell({ a, b, c }));
     }
+    // A triangle at each of the given points.
+    std::vector<vtkIdType> cellAt(given.size(), 0);
     for (std::size_t t = 0; t < triangles.size(); ++t)
     {
       for (const Index corner : triangles[t])

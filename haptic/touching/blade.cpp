@@ -9,8 +9,6 @@ namespace palpate {
 namespace {
 
 constexpr double kWhole = std::numeric_limits<double>::infinity();
-/// A cut takes so many ticks at the least, as a tear does (hold.cpp).
-constexpr double kTicksOfCut = 50;
 /// The blade is at the front if what is open ends within this share of the whole area.
 constexpr double kAtFront = 1e-9;
 /// The blade goes after the hand in steps, so that the hand's work in each is right to this share,
@@ -125,7 +123,7 @@ Contact Blade::move(const Touchable& body, const Vec3& hand, const TouchSettings
       settings.blade_toughness > 0 ? settings.blade_toughness : settings.fracture_toughness};
   TearAccount& account = hold.account();
   const double whole = body.torn().whole_area();
-  double left = whole / kTicksOfCut;
+  double left = whole / kTicksOfTear;
   const Vec3 from = hand_;
   const Vec3 way = hand - from;
   const double resists = against.friction + against.toughness * on_sheet_.rise.norm();

@@ -10,6 +10,8 @@
 #include <set>
 #include <utility>
 
+#include "mesh/cell_faces.h"
+
 namespace palpate {
 namespace {
 
@@ -19,15 +21,13 @@ constexpr double kNoLength = 1e-12;
 /// A way whose part along a triangle is a smaller share of it is normal to the triangle.
 constexpr double kNormal = 1e-6;
 
-using Edge = std::pair<Index, Index>;
-
 /// Calls visit(edge, place) for the edges of the triangles from one place to another.
 template <class Visit>
 void for_edges(const Surface& surface, std::size_t first, std::size_t last, const Visit& visit) {
   for (std::size_t t = first; t < last; ++t) {
     for (int k = 0; k < 3; ++k) {
       const Index a = surface.triangles[t][k], b = surface.triangles[t][(k + 1) % 3];
-      visit(Edge(std::min(a, b), std::max(a, b)), t);
+      visit(edge_of(a, b), t);
     }
   }
 }
@@ -44,8 +44,8 @@ class AreasOfPoints {
  public:
   AreasOfPoints(const Surface& surface, const std::vector<double>& areas)
       : surface_(surface), areas_(areas), first_(static_cast<std::size_t>(surface.num_touched())) {
-    std::map<Edge, std::set<std::int32_t>> stages_of_edge;
-    for_edges(surface, first_, surface.triangles.size(), [&](const Edge& edge, std::size_t t) {
+    std::map<EdgeKey, std::set<std::int32_t>> stages_of_edge;
+    for_edges(surface, first_, surface.triangles.size(), [&](const EdgeKey& edge, std::size_t t) {
       const std::int32_t stage = surface.stages_of_cut[t - first_];
       stages_of_edge[edge].insert(stage);
       stage_of_[edge.first] = stage_of_[edge.second] = stage;
@@ -111,7 +111,7 @@ class AreasOfPoints {
   const std::vector<double>& areas_;
   std::size_t first_;
   std::map<Index, std::int32_t> stage_of_;
-  std::map<std::int32_t, std::vector<Edge>> fronts_;
+  std::map<std::int32_t, std::vector<EdgeKey>> fronts_;
   std::map<Index, double> known_;
   std::map<std::int32_t, double> farthest_;
 };
@@ -120,11 +120,11 @@ class AreasOfPoints {
 
 std::vector<std::array<Vec3, 2>> mouth_of_cut(const Surface& surface) {
   const auto first = static_cast<std::size_t>(surface.num_touched());
-  std::set<Edge> of_sheet;
+  std::set<EdgeKey> of_sheet;
   for_edges(surface, first, surface.triangles.size(),
-            [&](const Edge& edge, std::size_t) { of_sheet.insert(edge); });
+            [&](const EdgeKey& edge, std::size_t) { of_sheet.insert(edge); });
   std::vector<std::array<Vec3, 2>> lines;
-  for_edges(surface, 0, first, [&](const Edge& edge, std::size_t) {
+  for_edges(surface, 0, first, [&](const EdgeKey& edge, std::size_t) {
     if (of_sheet.count(edge) == 0) return;
     lines.push_back({surface.points[edge.first], surface.points[edge.second]});
   });

@@ -19,9 +19,6 @@ constexpr double kAnswered = 1e-6;
 constexpr double kSameTip = 0.25;
 constexpr double kSamePlace = 1e-6;
 
-/// The whole cut tears in so many ticks at the least.
-constexpr double kTicksOfTear = 50;
-
 }  // namespace
 
 void Hold::take_over(const Touchable* body, bool is_same_scene) noexcept {

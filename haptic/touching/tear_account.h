@@ -6,6 +6,9 @@
 
 namespace palpate {
 
+/// The whole cut opens in so many ticks at the least, so that a hand feels a snap in several.
+inline constexpr double kTicksOfTear = 50;
+
 /// @note All functions are realtime-safe.
 class TearAccount {
  public:
