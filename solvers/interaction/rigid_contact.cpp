@@ -113,13 +113,13 @@ double RigidContact::displacement_scale(const Eigen::VectorXd& /*q*/) const {
 }
 
 std::string RigidContact::describe(const Eigen::VectorXd& q) const {
-  return shape_->description() + " at " + quantity(pose_->evaluate(q, 0).place, "m");
+  return shape_->description() + " at " + quantity(pose_->at(q).place, "m");
 }
 
 std::vector<Vec3> RigidContact::inner_places(const Eigen::VectorXd& q) const {
-  const PoseJet pose = pose_->evaluate(q, 0);
+  const Pose pose = pose_->at(q);
   std::vector<Vec3> places = shape_->inner_places();
-  for (Vec3& place : places) place = pose.place + pose.rotation * place;
+  for (Vec3& place : places) place = pose.in_scene(place);
   return places;
 }
 
