@@ -7,6 +7,8 @@
 
 #include "base/error.h"
 #include "cutting/sheet_mesh.h"
+#include "mesh/surface_tree.h"
+#include "mesh/tet_mesh.h"
 #include "vtkAdaptiveSubdivisionFilter.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
@@ -64,23 +66,29 @@ vtkSmartPointer<vtkPolyData> Divided(vtkPolyData* sheet, double edge)
 }
 
 /// Draws the sheet from the deformed body back to the one at rest. Beyond the body it moves as the
-/// nearest point of that does.
+/// nearest point of the surface does.
 void DrawBack(vtkUnstructuredGrid* body, vtkDataArray* displacement, vtkPolyData* sheet)
 {
+  palpate::TetMesh mesh = vtkPalpateMeshFromGrid(body);
+  const auto triangles = palpate::boundary_triangles(mesh);
   vtkNew<vtkPoints> moved;
   moved->SetDataTypeToDouble();
   moved->SetNumberOfPoints(body->GetNumberOfPoints());
-  const auto displacementOf = [&](vtkIdType point)
-  {
-    Vec3 u;
-    displacement->GetTuple(point, u.data());
-    return u;
-  };
+  std::vector<Vec3> displacements;
   for (vtkIdType p = 0; p < body->GetNumberOfPoints(); ++p)
   {
-    const Vec3 place = Vec3(body->GetPoint(p)) + displacementOf(p);
+    Vec3& u = displacements.emplace_back();
+    displacement->GetTuple(p, u.data());
+    if (!u.allFinite())
+    {
+      throw palpate::InputError("The displacement of the body is no number somewhere. Solve for it "
+                                "again, or turn OnDeformedBody off.");
+    }
+    Vec3& place = mesh.points[static_cast<std::size_t>(p)];
+    place += u;
     moved->SetPoint(p, place.data());
   }
+  const palpate::SurfaceTree surface(mesh.points, triangles);
   vtkNew<vtkUnstructuredGrid> deformed;
   deformed->ShallowCopy(body);
   deformed->SetPoints(moved);
@@ -94,24 +102,25 @@ void DrawBack(vtkUnstructuredGrid* body, vtkDataArray* displacement, vtkPolyData
   for (vtkIdType p = 0; p < sheet->GetNumberOfPoints(); ++p)
   {
     Vec3 place(sheet->GetPoint(p));
-    Vec3 nearest;
     Vec3 inCell;
-    vtkIdType at = -1;
-    int part = 0;
-    double squared = 0;
     std::array<double, 10> weights{};
-    locator->FindClosestPoint(place.data(), nearest.data(), cell, at, part, squared);
-    if (at < 0)
+    if (locator->FindCell(place.data(), 0, cell, inCell.data(), weights.data()) >= 0)
     {
-      throw palpate::InputError("The displacement of the body is no number somewhere. Solve for it "
-                                "again, or turn OnDeformedBody off.");
+      for (vtkIdType k = 0; k < cell->GetNumberOfPoints(); ++k)
+      {
+        place -= weights[static_cast<std::size_t>(k)] *
+          displacements[static_cast<std::size_t>(cell->GetPointId(k))];
+      }
     }
-    deformed->GetCell(at, cell);
-    (void)cell->EvaluatePosition(
-      nearest.data(), nullptr, part, inCell.data(), squared, weights.data());
-    for (vtkIdType k = 0; k < cell->GetNumberOfPoints(); ++k)
+    else
     {
-      place -= weights[static_cast<std::size_t>(k)] * displacementOf(cell->GetPointId(k));
+      const palpate::SurfaceTree::Nearest nearest = surface.nearest(place);
+      const auto& corners = surface.points_of(nearest.triangle);
+      for (int k = 0; k < 3; ++k)
+      {
+        place -= nearest.weights[k] *
+          displacements[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
+      }
     }
     points->InsertNextPoint(place.data());
   }

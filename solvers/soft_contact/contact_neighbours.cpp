@@ -21,10 +21,6 @@ struct Near {
   std::uint64_t allowed;
 };
 
-Vec3 at(const double (&values)[3][kPacketSize], int point) {
-  return {values[0][point], values[1][point], values[2][point]};
-}
-
 std::uint64_t bit(int i, int j) { return std::uint64_t{1} << (kPacketSize * i + j); }
 
 /// The square of the distance of the boxes around two packets, m².
@@ -64,18 +60,35 @@ TouchRule::TouchRule(const ContactPoints& points, TouchingParts touching)
   points.take_features(all_faces(points), none, rest_);
 }
 
-bool TouchRule::are_two_sides(Index point, Index other) const {
-  const Index face = points_.face_of(point);
-  const Index other_face = points_.face_of(other);
-  if (points_.part(face) != points_.part(other_face)) return false;
-  const PointPacket& here = rest_[point / kPacketSize];
-  const PointPacket& there = rest_[other / kPacketSize];
-  const int i = point % kPacketSize;
-  const int j = other % kPacketSize;
-  const Vec3 r = at(here.place, i) - at(there.place, j);
-  const double distance = r.norm();
-  if (distance > kSameNeighbourhood * points_.reach(face, other_face)) return false;
-  return std::min(at(there.normal, j).dot(r), -at(here.normal, i).dot(r)) < -kBehind * distance;
+std::uint64_t TouchRule::allowed(Index packet, Index other) const {
+  const Index face = points_.face_of(packet * kPacketSize);
+  const Index other_face = points_.face_of(other * kPacketSize);
+  if (points_.part(face) != points_.part(other_face)) return kAllAllowed;
+  using Row = Eigen::Array<double, kPacketSize, 1>;
+  using Rows = Eigen::Map<const Eigen::Array<double, kPacketSize, 3>>;
+  const PointPacket& here = rest_[packet];
+  const Rows places(&rest_[other].place[0][0]);
+  const Rows normals(&rest_[other].normal[0][0]);
+  const double near = kSameNeighbourhood * points_.reach(face, other_face);
+  std::uint64_t allowed = 0;
+  for (int i = 0; i < kPacketSize; ++i) {
+    Row squared = Row::Zero();
+    Row of_others = Row::Zero();
+    Row of_point = Row::Zero();
+    for (int c = 0; c < 3; ++c) {
+      const Row way = here.place[c][i] - places.col(c);
+      squared += way * way;
+      of_others += normals.col(c) * way;
+      of_point -= here.normal[c][i] * way;
+    }
+    const Row behind = of_others.min(of_point);
+    for (int j = 0; j < kPacketSize; ++j) {
+      const bool are_two_sides = squared[j] <= near * near && behind[j] < 0 &&
+                                 behind[j] * behind[j] > kBehind * kBehind * squared[j];
+      if (!are_two_sides) allowed |= bit(i, j);
+    }
+  }
+  return allowed;
 }
 
 ContactNeighbours find_neighbours(const ContactPoints& points, const TouchRule& rule,
@@ -95,19 +108,6 @@ ContactNeighbours find_neighbours(const ContactPoints& points, const TouchRule& 
   }
   const double longest = *std::max_element(points.reaches().begin(), points.reaches().end());
   const BoxTree tree(boxes);
-  // Which points of two packets that are near each other may touch.
-  const auto compare = [&](Index face, Index packet, Index other_face, Index other) {
-    if (points.part(face) != points.part(other_face)) return kAllAllowed;
-    std::uint64_t allowed = 0;
-    for (int i = 0; i < kPacketSize; ++i) {
-      for (int j = 0; j < kPacketSize; ++j) {
-        if (!rule.are_two_sides(packet * kPacketSize + i, other * kPacketSize + j)) {
-          allowed |= bit(i, j);
-        }
-      }
-    }
-    return allowed;
-  };
   std::vector<Near> pairs;
   std::vector<char> is_near(num_faces, 0);
   std::vector<Index> others;
@@ -127,7 +127,7 @@ ContactNeighbours find_neighbours(const ContactPoints& points, const TouchRule& 
         const double most = points.reach(f, other) + further;
         for (Index q = points.first_packet(other); q < points.first_packet(other + 1); ++q) {
           if (distance_of_boxes(all[p], all[q]) >= most * most) continue;
-          const std::uint64_t allowed = compare(f, p, other, q);
+          const std::uint64_t allowed = rule.allowed(p, q);
           if (allowed == 0) continue;
           pairs.push_back({p, q, allowed});
           is_near[f] = 1;

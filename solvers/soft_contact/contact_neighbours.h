@@ -24,9 +24,10 @@ class TouchRule {
     return touching_ == TouchingParts::all ||
            (touching_ == TouchingParts::others && points_.part(face) != points_.part(other));
   }
-  /// Whether two points of faces that may touch each other belong to one part, and are on two sides
-  /// of it, as of a thin plate or beside an edge.
-  [[nodiscard]] bool are_two_sides(Index point, Index other) const;
+  /// Which points of two packets of faces that may touch each other may touch: those that do not
+  /// belong to one part and are on two sides of it, as of a thin plate or beside an edge.
+  /// @returns As `allowed` of NearPacketsView.
+  [[nodiscard]] std::uint64_t allowed(Index packet, Index other) const;
 
  private:
   const ContactPoints& points_;
