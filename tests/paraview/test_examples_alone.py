@@ -163,7 +163,7 @@ def check_bed():
     done = run(1, "--edge", "0", "--output", "bed", example="bed")
     assert done.returncode == 1 and done.stderr.startswith("bed.py: "), done.stderr
 
-    done = run(1, "--cells", "8", "6", "6", "--ways", "-0.002", "0.002", "--output", "slit",
+    done = run(1, "--cells", "8", "4", "4", "--ways", "-0.002", "0.002", "--output", "slit",
                example="bed", script="slit")
     assert done.returncode == 0, done.stderr
     squeezed, apart, *_ = rows_of("slit/table.csv")

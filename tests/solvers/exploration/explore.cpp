@@ -91,6 +91,9 @@ int explore(const char* path, double tolerance, const std::string& tool, const s
   if (tool == "sphere") {
     test::press_corner_of_block(options);
     options.contact->spacing = 0.012;
+    options.contact->shell.region = [](const Vec3& place) {
+      return (place - Vec3(0.07, 0.03, 0.05)).norm() < 0.02;
+    };
   } else {
     options.active_nodes = {block.corner, block.middle};
     options.half_width = tool == "iterative" ? 0.008 : 0.02;
