@@ -182,6 +182,16 @@ void ReadContact(vtkFieldData* fields, vtkIdType number, palpate::ToolSpaceSetup
   {
     tool.law.offset = Required(fields, ContactOffset, 1)->GetComponent(number, 0);
   }
+  if (fields->GetArray(ToolMotion))
+  {
+    tool.motion = static_cast<palpate::ToolMotion>(
+      static_cast<int>(fields->GetArray(ToolMotion)->GetTuple1(0)));
+    vtkDataArray* numbers = Required(fields, MotionNumbers, 1);
+    for (vtkIdType i = 0; i < numbers->GetNumberOfTuples(); ++i)
+    {
+      tool.motion_numbers.push_back(numbers->GetTuple1(i));
+    }
+  }
   if (tool.shape != palpate::ToolShape::surface)
   {
     return;

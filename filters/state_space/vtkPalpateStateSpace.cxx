@@ -372,6 +372,14 @@ void AddContactFields(const TouchSpace& space, vtkFieldData* fields)
       { fields->GetArray(name)->SetComponent(s, 0, static_cast<double>(value)); });
     offsets->SetValue(s, setups[s]->interaction.tool.law.offset);
   }
+  if (tool.motion != palpate::ToolMotion::translated)
+  {
+    // All bodies are pressed by one tool.
+    AddArray<vtkIntArray>(fields, ToolMotion, 1, 1)->SetValue(0, static_cast<int>(tool.motion));
+    const auto size = static_cast<vtkIdType>(tool.motion_numbers.size());
+    std::copy(tool.motion_numbers.begin(), tool.motion_numbers.end(),
+      AddArray<vtkDoubleArray>(fields, MotionNumbers, 1, size)->GetPointer(0));
+  }
   if (tool.shape != palpate::ToolShape::surface)
   {
     return;

@@ -149,6 +149,9 @@ void VisitRegion(MeshRegion&& region, Visit&& visit)
 
 /// The name of the array of offsets, which spaces of earlier versions do not have.
 constexpr const char* ContactOffset = "ContactOffset";
+/// The names of the field arrays of the tool's motion, if it is not translated.
+constexpr const char* ToolMotion = "ToolMotion";
+constexpr const char* MotionNumbers = "MotionNumbers";
 /// The names of the field arrays of the tool's surface, if the tool is one.
 constexpr const char* ToolPoints = "ToolPoints";
 constexpr const char* ToolTriangles = "ToolTriangles";

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpateTrocarMotion.h"
 
+#include <cmath>
+#include <string>
+
 #include "base/error.h"
+#include "base/quantity.h"
 #include "interaction/rigid_tool.h"
 #include "interaction/trocar_pose.h"
 #include "vtkObjectFactory.h"
@@ -51,6 +55,18 @@ void vtkPalpateTrocarMotion::Describe(palpate::RigidTool& tool) const
   {
     trocar.tip = -palpate::reach(tool, -trocar.axis) * trocar.axis;
   }
+  if (!(this->MaximumTilt > 0 && this->MaximumTilt <= 90))
+  {
+    throw palpate::InputError("MaximumTilt is " + std::to_string(this->MaximumTilt) +
+      " degrees, but must be above 0 and at most 90.");
+  }
+  if (!(this->MaximumDepth >= 0) || !std::isfinite(this->MaximumDepth))
+  {
+    throw palpate::InputError("MaximumDepth is " + palpate::quantity(this->MaximumDepth, "m") +
+      ", but must be a length, or 0.");
+  }
+  trocar.tilt = this->MaximumTilt * M_PI / 180;
+  trocar.depth = this->MaximumDepth;
   // palpate::with_defaults() finds the direction from the body.
   trocar.towards.setZero();
   tool.motion = palpate::ToolMotion::trocar;
@@ -64,4 +80,6 @@ void vtkPalpateTrocarMotion::PrintSelf(ostream& os, vtkIndent indent)
   { os << indent << name << ": " << v[0] << ' ' << v[1] << ' ' << v[2] << unit << '\n'; };
   print("TrocarPoint", this->TrocarPoint, " m");
   print("InstrumentAxis", this->InstrumentAxis, "");
+  os << indent << "MaximumTilt: " << this->MaximumTilt << " degrees\n";
+  os << indent << "MaximumDepth: " << this->MaximumDepth << " m\n";
 }

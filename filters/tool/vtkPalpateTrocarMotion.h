@@ -29,6 +29,15 @@ public:
   vtkSetVector3Macro(InstrumentAxis, double);
   vtkGetVector3Macro(InstrumentAxis, double);
   ///@}
+  ///@{
+  /// The largest angle to the way from what may be touched to the trocar, degrees, 0 … 90.
+  vtkSetMacro(MaximumTilt, double);
+  vtkGetMacro(MaximumTilt, double);
+  ///@}
+  ///@{ The largest distance of the tip from the trocar, m; 0: any.
+  vtkSetMacro(MaximumDepth, double);
+  vtkGetMacro(MaximumDepth, double);
+  ///@}
 
   void Describe(palpate::RigidTool& tool) const override;
 
@@ -42,4 +51,6 @@ private:
 
   double TrocarPoint[3] = { 0, 0, 0 };
   double InstrumentAxis[3] = { 0, 0, 0 };
+  double MaximumTilt = 90;
+  double MaximumDepth = 0;
 };

@@ -285,14 +285,14 @@ void MakeForce(vtkPolyData* output, const Frame& frame)
   output->GetPointData()->SetVectors(force);
 }
 
-void MoveTo(vtkPolyData* output, vtkPolyData* shape, const Vec3& place)
+void MoveTo(vtkPolyData* output, vtkPolyData* shape, const palpate::Pose& pose)
 {
   output->ShallowCopy(shape);
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   for (vtkIdType p = 0; p < shape->GetNumberOfPoints(); ++p)
   {
-    const Vec3 moved = place + Vec3(shape->GetPoint(p));
+    const Vec3 moved = pose.in_scene(Vec3(shape->GetPoint(p)));
     points->InsertNextPoint(moved.data());
   }
   output->SetPoints(points);
@@ -316,8 +316,14 @@ struct vtkPalpateReplayTouch::Replay
   /// On rank 0.
   vtkPalpateDisplaySurface::Carrier Carrier;
   bool HasRigidTool = false;
-  /// The tool's surface around its middle; by body and active node, −1: the rigid tool.
-  std::map<std::pair<vtkIdType, vtkIdType>, vtkSmartPointer<vtkPolyData>> Shapes;
+  struct Tool
+  {
+    /// The surface around the middle.
+    vtkSmartPointer<vtkPolyData> Surface;
+    palpate::PoseMapPtr Poses;
+  };
+  /// By body and active node, −1: the rigid tool.
+  std::map<std::pair<vtkIdType, vtkIdType>, Tool> Tools;
 
   /// Reads the recording, on rank 0, if it is another one than before. @note Collective.
   void Read(const std::string& fileName, vtkMultiProcessController* controller,
@@ -359,7 +365,7 @@ struct vtkPalpateReplayTouch::Replay
     const palpate::TouchSpace space = vtkPalpateSpaceFromCollection(input, controller);
     this->SceneHash = space.scene_hash;
     this->Carrier = vtkPalpateCarrierOfSpace(space, input);
-    this->Shapes.clear();
+    this->Tools.clear();
     this->HasRigidTool = space.find_pressing() != nullptr;
     for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
     {
@@ -367,7 +373,8 @@ struct vtkPalpateReplayTouch::Replay
       const auto key = interaction.presses()
         ? std::pair<vtkIdType, vtkIdType>(palpate::kFirstBody, -1)
         : std::pair<vtkIdType, vtkIdType>(toolSpace.setup.body, interaction.active_node);
-      this->Shapes[key] = vtkPalpateToolSurface(interaction.shown_shape());
+      const palpate::RigidTool shown = interaction.shown_shape();
+      this->Tools[key] = { vtkPalpateToolSurface(shown), palpate::pose_of(shown) };
     }
     this->Touch->SetInputDataObject(input);
     this->InputTime = input->GetMTime();
@@ -583,10 +590,11 @@ int vtkPalpateReplayTouch::RequestData(
       auto* tool = vtkPolyData::GetData(outputVector, ToolPort);
       auto* force = vtkPolyData::GetData(outputVector, ForcePort);
       const bool isHeld = frame.Holds() || !replay.HasRigidTool;
-      const auto shape = replay.Shapes.find(isHeld ? std::pair(frame.Bodies[0], frame.Nodes[0])
-                                                   : std::pair(vtkIdType(1), vtkIdType(-1)));
-      MoveTo(
-        tool, (shape == replay.Shapes.end() ? replay.Shapes.begin() : shape)->second, frame.Place);
+      const auto found = replay.Tools.find(isHeld ? std::pair(frame.Bodies[0], frame.Nodes[0])
+                                                  : std::pair(vtkIdType(1), vtkIdType(-1)));
+      const Replay::Tool& shown =
+        (found == replay.Tools.end() ? replay.Tools.begin() : found)->second;
+      MoveTo(tool, shown.Surface, shown.Poses->at(frame.Place));
       MakeForce(force, frame);
       for (vtkPolyData* output : { surface, tool, force })
       {

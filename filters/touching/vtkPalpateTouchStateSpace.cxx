@@ -15,6 +15,7 @@
 #include "base/printable.h"
 #include "base/quantity.h"
 #include "interaction/mesh_error.h"
+#include "interaction/motion_kind.h"
 #include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
@@ -890,6 +891,13 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   if (presses)
   {
     AddVector(output, "ToolPosition", 3, t.data());
+    const palpate::RigidTool& tool = toolSpace.setup.interaction.tool;
+    const auto torque =
+      palpate::motion_kind(tool.motion).torque(tool.motion_numbers, t, touch.force);
+    if (torque)
+    {
+      AddVector(output, "Torque", 3, torque->data());
+    }
     AddInteger(output, "Branch", this->Cache->OnBranch);
   }
   else

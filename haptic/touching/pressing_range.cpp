@@ -13,13 +13,25 @@ namespace {
 /// The depth at which pressable_points() asks whether the tool can press, in half-widths of the
 /// tool. A place so close to the surface is in the first cell.
 constexpr double kIn = 0.02;
+/// The most steps to a place at which the tool touches, and when that is found, in half-widths.
+constexpr int kMostTurns = 20;
+constexpr double kFound = 1e-9;
 /// The step of depth_left(), in sides of the finest cells.
 constexpr double kStep = 0.25;
 
 }  // namespace
 
 Vec3 touching_place(const RigidTool& tool, const Vec3& place, const Vec3& normal) {
-  return place + reach(tool, -normal) * normal;
+  const PoseMapPtr pose = pose_of(tool);
+  // A tool that turns as it comes is found step by step.
+  Vec3 q = place;
+  for (int step = 0; step < kMostTurns; ++step) {
+    const Vec3 found = place + reach_at(tool, *pose, q, -normal) * normal;
+    const double missing = (found - q).norm();
+    q = found;
+    if (missing <= kFound * half_width(tool)) break;
+  }
+  return q;
 }
 
 std::vector<Vec3> point_normals(const Surface& surface) {
@@ -55,7 +67,7 @@ double depth_left(const ToolForce& force, const Vec3& place, const Vec3& directi
 
 double depth_in_body(const SurfaceTree& surface, const RigidTool& tool, const Vec3& place) {
   const SurfaceTree::Nearest nearest = surface.nearest(place);
-  return reach(tool, -nearest.normal) - nearest.distance;
+  return reach_at(tool, *pose_of(tool), place, -nearest.normal) - nearest.distance;
 }
 
 StartPlace start_place(const TouchSpace& space, const Touchable& body,

@@ -10,7 +10,8 @@
 
 namespace palpate {
 
-/// The centre of a tool that touches the surface at a place, as if the surface were flat there, m.
+/// The coordinates of a tool that touches the surface at a place, as if the surface were flat
+/// there, m.
 /// @param normal The normal of the surface, outward, of unit length.
 [[nodiscard]] Vec3 touching_place(const RigidTool& tool, const Vec3& place, const Vec3& normal);
 
@@ -30,8 +31,8 @@ namespace palpate {
                                 double most);
 
 /// How deep a rigid tool is in the body at rest, m: the depth of its deepest point, along the
-/// normal of the surface nearest to its centre; below 0 the tool is outside.
-/// @param place The tool's centre [3], m.
+/// normal of the surface nearest to its place; below 0 the tool is outside.
+/// @param place The tool's coordinates [3], m.
 [[nodiscard]] double depth_in_body(const SurfaceTree& surface, const RigidTool& tool,
                                    const Vec3& place);
 

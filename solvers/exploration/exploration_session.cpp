@@ -217,7 +217,7 @@ void ExplorationSession::Impl::plan(const std::vector<BodyOfRun>& asked) {
         spaces.insert(spaces.end(), std::make_move_iterator(planned.begin()),
                       std::make_move_iterator(planned.end()));
       }
-      if (spaces.empty()) throw_nothing_to_press();
+      if (spaces.empty()) throw_nothing_to_press(options);
       require_few_enough(options, spaces);
       if (estimate) options.expects(*estimate);
     });

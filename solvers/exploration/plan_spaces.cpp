@@ -95,10 +95,13 @@ std::vector<PlannedSpace> plan_grids(const SpaceBody& of, const PrecomputeOption
   return spaces;
 }
 
-void throw_nothing_to_press() {
+void throw_nothing_to_press(const PrecomputeOptions& options) {
+  const bool turns = options.contact && options.contact->tool.motion != ToolMotion::translated;
   throw InputError(
-      "There is nothing to press: no touchable face of the surface is in the region. Choose "
-      "touchable points with Set Boundary, or another region.");
+      "There is nothing to press: no touchable face of the surface is in the region" +
+      std::string(turns ? " and where the motion of the tool leads" : "") +
+      ". Choose touchable points with Set Boundary, or another region" +
+      (turns ? ", or move the trocar (TrocarPoint, MaximumTilt, MaximumDepth)." : "."));
 }
 
 ToolSpaceSetup plan_tool(const SpaceBody& of, const PrecomputeOptions& options,
@@ -109,11 +112,6 @@ ToolSpaceSetup plan_tool(const SpaceBody& of, const PrecomputeOptions& options,
   if (contact.tool.shape < ToolShape::sphere || contact.tool.shape > ToolShape::surface) {
     throw InputError("A state space cannot hold " + name_of(contact.tool) +
                      " yet. Choose a sphere, a capsule or a surface.");
-  }
-  if (contact.tool.motion != ToolMotion::translated) {
-    throw InputError(
-        "The tool is moved otherwise than translated, and a state space does not say how. Choose "
-        "the motion Translated.");
   }
   if (contact.shell.depth > 0) {
     check_resolved(body.mesh, "The depth (Depth)", contact.shell.depth);
@@ -150,7 +148,7 @@ std::vector<PlannedSpace> plan_shell(const SpaceBody& of, const PrecomputeOption
       shell_targets(*tools.clearance(setup.interaction), setup.grid, of.scene->body.touchable,
                     options.contact->shell);
   if (targets.empty() && region) return {};
-  if (targets.empty()) throw_nothing_to_press();
+  if (targets.empty()) throw_nothing_to_press(options);
   return {{setup, std::make_shared<const StartGraph>(setup.key(), std::move(targets))}};
 }
 

@@ -43,7 +43,7 @@ namespace palpate {
                                                    InteractionFactory& tools,
                                                    const std::optional<MeshRegion>& region = {});
 
-[[noreturn]] void throw_nothing_to_press();
+[[noreturn]] void throw_nothing_to_press(const PrecomputeOptions& options);
 
 /// Whether the file has a rigid tool with the contact layer that earlier versions of this program
 /// chose by default. Such a run is resumed with that layer, since another layer would make it

@@ -154,7 +154,7 @@ std::vector<Wanted> wanted_regions(const Scene& scene, const SettledBody& at_res
   const RigidTool tool = with_defaults(contact.tool, scene);
   const double width = half_width(tool);
   const std::vector<Place> places = touchable_places(scene, at_rest);
-  if (places.empty()) throw_nothing_to_press();
+  if (places.empty()) throw_nothing_to_press(options);
   MeshRegion region;
   region.size = asked.size > 0 ? asked.size : kSizeOfTool * width;
   region.tolerance = asked.tolerance;
@@ -187,7 +187,7 @@ std::vector<Wanted> wanted_regions(const Scene& scene, const SettledBody& at_res
       each.touches.push_back(touches[r][i]);
     }
   }
-  if (wanted.empty()) throw_nothing_to_press();
+  if (wanted.empty()) throw_nothing_to_press(options);
   return wanted;
 }
 

@@ -56,9 +56,11 @@ bool ShellCells::may_hold(const CheckPoint& first, std::int32_t count) const {
   const double half_diagonal = 0.5 * std::sqrt(3.0) * side;
   const Vec3 centre = grid_.place(root(first).first) + Vec3::Constant(0.5 * side);
   if (options_.may_hold && !options_.may_hold(centre, 0.5 * side)) return false;
+  if (!clearance_.allows(centre)) return count > 1;
   if (clearance_.clearance(centre) > half_diagonal) return false;
-  // The depth changes by no more than the distance.
-  return !is_too_deep(clearance_.approach(centre).depth - half_diagonal);
+  // The depth changes by no more than the way of the tool's points.
+  const double change = clearance_.farthest_way(centre, half_diagonal);
+  return !is_too_deep(clearance_.approach(centre).depth - change);
 }
 
 bool ShellCells::holds(const CheckPoint& numbers) {
@@ -70,6 +72,9 @@ bool ShellCells::holds(const CheckPoint& numbers) {
 bool ShellCells::has_corners(const Cell& root) {
   bool is_shallow = false;
   bool is_asked = false;
+  for (int corner = 0; corner < 8; ++corner) {
+    if (!clearance_.allows(grid_.place(corner_of(root, corner)))) return false;
+  }
   for (int corner = 0; corner < 8; ++corner) {
     const ToolClearance::Approach& approach = node(corner_of(root, corner)).approach;
     is_shallow = is_shallow || !is_too_deep(approach.depth);

@@ -31,7 +31,8 @@ void require_followable(const PrecomputeOptions& options) {
 
 /// The place at rest of the touchable point that is nearest to where the exploration begins.
 /// @throws InputError no touchable point of the surface is in the region.
-Vec3 find_begin(const SpaceBody& body, const ShellOptions& shell) {
+Vec3 find_begin(const SpaceBody& body, const PrecomputeOptions& options) {
+  const ShellOptions& shell = options.contact->shell;
   const Body& of = body.scene->body;
   std::optional<Vec3> nearest;
   for (Index p = 0; p < of.mesh.num_points(); ++p) {
@@ -42,7 +43,7 @@ Vec3 find_begin(const SpaceBody& body, const ShellOptions& shell) {
       nearest = place;
     }
   }
-  if (!nearest) throw_nothing_to_press();
+  if (!nearest) throw_nothing_to_press(options);
   return *nearest;
 }
 
@@ -95,7 +96,7 @@ FollowSession::Impl::Impl(std::shared_ptr<const Scene> scene, const PrecomputeOp
   }
   RigidTool& tool = options.contact->tool;
   if (has_earlier_layer(*body.scene, options)) tool = with_earlier_layer(tool, *body.scene);
-  const Vec3 begin = find_begin(body, options.contact->shell);
+  const Vec3 begin = find_begin(body, options);
   tools = std::make_unique<InteractionFactory>(body.scene->body, body.at_rest);
   job.scene = body.scene;
   job.at_rest = body.at_rest;

@@ -17,6 +17,9 @@ class TranslatedKind final : public MotionKind {
  public:
   TranslatedKind() = default;
   [[nodiscard]] ToolMotion number() const override { return ToolMotion::translated; }
+  [[nodiscard]] std::string description(const std::vector<double>& /*numbers*/) const override {
+    return "translated";
+  }
   [[nodiscard]] PoseMapPtr make(const std::vector<double>& numbers) const override {
     if (numbers.empty()) return translated_pose();
     throw InputError("A tool that is translated has " + std::to_string(numbers.size()) +
@@ -31,10 +34,13 @@ class TrocarKind final : public MotionKind {
   [[nodiscard]] PoseMapPtr make(const std::vector<double>& numbers) const override {
     return trocar_pose(Trocar::from(numbers));
   }
+  [[nodiscard]] std::string description(const std::vector<double>& numbers) const override {
+    return palpate::description(Trocar::from(numbers));
+  }
   // The tool is moved about the way from the body to the trocar.
   void complete(const Scene& scene, std::vector<double>& numbers) const override {
-    if (numbers.size() != 12) return;
-    Eigen::Map<Vec3> towards(numbers.data() + 9);
+    if (numbers.size() != Trocar::kCount) return;
+    Eigen::Map<Vec3> towards(numbers.data() + Trocar::kTowards);
     if (!towards.isZero(0)) return;
     Vec3 middle = Vec3::Zero();
     double count = 0;

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "assembly/scene.h"
@@ -23,6 +24,10 @@ class MotionKind {
   [[nodiscard]] virtual ToolMotion number() const = 0;
   /// @throws InputError the numbers are not those of such a motion.
   [[nodiscard]] virtual PoseMapPtr make(const std::vector<double>& numbers) const = 0;
+  /// The motion in words: "translated".
+  [[nodiscard]] virtual std::string description(const std::vector<double>& /*numbers*/) const {
+    return "turned";
+  }
   /// Fills in numbers that were left open, for a body.
   /// @throws InputError the motion does not suit the body.
   virtual void complete(const Scene& /*scene*/, std::vector<double>& /*numbers*/) const {}

@@ -87,7 +87,9 @@ class PoseMap {
     const PoseJet jet = evaluate(q, 0);
     return {jet.place, jet.rotation};
   }
-  /// @throws InputError there is no pose at q. The message says what to do.
+  /// Whether the tool may be at q. Where it may be is convex. Elsewhere a pose need not be right.
+  [[nodiscard]] virtual bool allows(const Eigen::VectorXd& /*q*/) const { return true; }
+  /// @throws InputError the tool may not be at q. The message says what to do.
   virtual void check(const Eigen::VectorXd& /*q*/) const {}
 
   /// How far the points of a tool move as its coordinates do.

@@ -86,6 +86,15 @@ double reach(const RigidTool& tool, const Vec3& direction) {
   return shape_kind(tool.shape).reach(tool, direction);
 }
 
+PoseMapPtr pose_of(const RigidTool& tool) {
+  return motion_kind(tool.motion).make(tool.motion_numbers);
+}
+
+double reach_at(const RigidTool& tool, const PoseMap& pose, const Vec3& q, const Vec3& direction) {
+  const Pose here = pose.at(q);
+  return (here.place - q).dot(direction) + reach(tool, here.rotation.transpose() * direction);
+}
+
 double usual_thickness(const RigidTool& tool) {
   return std::max(kThicknessOfRadius * half_width(tool),
                   shape_kind(tool.shape).least_thickness(tool));
@@ -113,8 +122,7 @@ RigidContact make_contact(const Body& body, const RigidTool& tool) {
   check_size(body.mesh, tool, *shape);
   auto surface =
       std::make_shared<const ContactSurface>(body, kSpacingOfThickness * tool.law.thickness);
-  return {std::move(surface), std::move(shape), tool.law,
-          motion_kind(tool.motion).make(tool.motion_numbers)};
+  return {std::move(surface), std::move(shape), tool.law, pose_of(tool)};
 }
 
 std::string name_of(const RigidTool& tool) {

@@ -15,7 +15,6 @@ namespace palpate {
 
 /// The numbers are stored in files: do not change them.
 enum class ToolShape : std::int32_t { sphere = 0, capsule = 1, surface = 2 };
-/// A file does not have these numbers yet: in a state space all tools are translated.
 enum class ToolMotion : std::int32_t { translated = 0, trocar = 1 };
 
 struct RigidTool {
@@ -61,6 +60,14 @@ inline constexpr double kCalibratedDepth = 0.07;
 
 /// How far the tool reaches from its centre in a direction of unit length, m.
 [[nodiscard]] double reach(const RigidTool& tool, const Vec3& direction);
+
+/// The poses of the tool.
+/// @throws InputError the numbers of its motion are not those of such a motion.
+[[nodiscard]] PoseMapPtr pose_of(const RigidTool& tool);
+
+/// How far the tool at q reaches from q in a direction of unit length, as it is turned there, m.
+[[nodiscard]] double reach_at(const RigidTool& tool, const PoseMap& pose, const Vec3& q,
+                              const Vec3& direction);
 
 /// The thickness of contact where it is not given, m.
 [[nodiscard]] double usual_thickness(const RigidTool& tool);

@@ -50,18 +50,18 @@ ToolClearance::ToolClearance(const Body& body, const SettledBody& at_rest,
 }
 
 ToolClearance::Deepest ToolClearance::deepest_of_body(const Pose& pose) const {
-  // A place that is farther from the centre than the tool reaches beyond the least distance so far
-  // cannot be nearer to the tool.
-  const double reach = shape_->bounding_radius();
+  // The values of the shape at two places differ by no more than their distance, but for its error.
+  const double error = 2 * shape_->error();
   Deepest deepest{std::numeric_limits<double>::infinity(), -1};
-  double squared = deepest.gap;
-  tree_.for_near(pose.place, squared, [&](Index place) {
-    const double distance = gap(points_[static_cast<std::size_t>(place)], pose);
-    if (!(distance < deepest.gap)) return;
-    deepest = {distance, place};
-    const double farthest = std::max(distance + reach, 0.0);
-    squared = farthest * farthest;
-  });
+  tree_.for_below(
+      deepest.gap,
+      [&](const BoxTree::Box& box) {
+        return gap(box.center(), pose) - 0.5 * box.diagonal().norm() - error;
+      },
+      [&](Index place) {
+        const double distance = gap(points_[static_cast<std::size_t>(place)], pose);
+        if (distance < deepest.gap) deepest = {distance, place};
+      });
   return deepest;
 }
 
@@ -74,6 +74,11 @@ double ToolClearance::clearance(const Vec3& q) const {
   const double clear = of_centre < 0 ? std::min(of_layer, of_centre) : of_layer;
   const PoseMap::Stretch stretch = pose_->stretch(q, shape_->bounds());
   return clear > 0 ? std::min(clear / stretch.most, stretch.within) : clear;
+}
+
+double ToolClearance::farthest_way(const Vec3& q, double way) const {
+  const PoseMap::Stretch stretch = pose_->stretch(q, shape_->bounds());
+  return way <= stretch.within ? stretch.most * way : std::numeric_limits<double>::infinity();
 }
 
 bool ToolClearance::is_inside(const Vec3& q) const {
@@ -143,7 +148,9 @@ std::vector<Vec3> ToolClearance::directions_out(const Vec3& q) const {
 std::optional<double> ToolClearance::way_out(const Vec3& q, const Vec3& direction) const {
   const double longest = body_.bounds().diagonal().norm() + 2 * shape_->bounding_radius();
   for (double way = margin_; way < longest;) {
-    const double clear = clearance(q + way * direction);
+    const Vec3 there = q + way * direction;
+    if (!allows(there)) return {};
+    const double clear = clearance(there);
     if (clear > 0) return way;
     // The clearance grows by no more than the way.
     way += is_large_ ? std::max(margin_, -clear) : margin_;
@@ -182,6 +189,7 @@ Vec3 ToolClearance::start_for(const Vec3& q) const {
 
 std::optional<Vec3> ToolClearance::find_start(const Vec3& q) const {
   if (!q.allFinite()) return {};
+  if (!allows(q)) return {};
   if (clearance(q) > 0) return q;
   if (!is_large_) {
     const Vec3 out = approach(q).out;
@@ -204,18 +212,25 @@ std::optional<Vec3> ToolClearance::find_start(const Vec3& q) const {
 
 Eigen::AlignedBox3d ToolClearance::bounds() const {
   const Eigen::AlignedBox3d body = body_.bounds();
-  // From the coordinates to the corners of the tool, as it is turned at the corners of the body.
+  // From the coordinates to the corners of the tool, as it is turned around the body.
   Eigen::AlignedBox3d tool;
   const auto corner_of = [](const Eigen::AlignedBox3d& box, int corner) {
     return Vec3(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
   };
-  for (int at = 0; at < 8; ++at) {
-    const Vec3 q = corner_of(body, at);
-    const Pose pose = pose_->at(q);
-    for (int corner = 0; corner < 8; ++corner) {
-      tool.extend((pose.place - q) + pose.rotation * corner_of(shape_->bounds(), corner));
+  const auto take = [&](bool anywhere) {
+    for (int at = 0; at < 27; ++at) {
+      const Vec3 share = 0.5 * Vec3(at / 9, at / 3 % 3, at % 3);
+      const Vec3 q = body.min() + share.cwiseProduct(body.sizes());
+      const Pose pose = pose_->at(q);
+      if (!(anywhere || allows(q)) || !pose.rotation.allFinite()) continue;
+      for (int corner = 0; corner < 8; ++corner) {
+        tool.extend((pose.place - q) + pose.rotation * corner_of(shape_->bounds(), corner));
+      }
     }
-  }
+  };
+  take(false);
+  // Where the motion leads to a small part of the body.
+  if (tool.isEmpty()) take(true);
   const Vec3 margin = Vec3::Constant(margin_);
   return {body.min() - tool.max() - margin, body.max() - tool.min() + margin};
 }

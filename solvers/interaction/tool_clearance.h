@@ -32,6 +32,10 @@ class ToolClearance {
   /// A distance, m, by which the tool at q may be moved in any direction without touching the body
   /// at rest: nothing is in its layer of contact then. Not positive: the tool may touch the body.
   [[nodiscard]] double clearance(const Vec3& q) const;
+  /// Whether the motion of the tool leads to q.
+  [[nodiscard]] bool allows(const Vec3& q) const { return pose_->allows(q); }
+  /// The farthest way of a point of the tool as that moves from q by no more than `way`, m.
+  [[nodiscard]] double farthest_way(const Vec3& q, double way) const;
   /// Whether the middle of the tool at q, or of a part of it, is in the body at rest. If the tool
   /// has no force there, it has gone through the surface.
   [[nodiscard]] bool is_inside(const Vec3& q) const;

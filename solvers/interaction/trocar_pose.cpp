@@ -13,9 +13,15 @@
 namespace palpate {
 namespace {
 
-/// The tool does not turn farther away from b than to where 1 + a·b is this.
-constexpr double kLeastCosine = 0.2;
 constexpr double kUnit = 1e-9;
+/// Where the tip moves by half of its way to the trocar, the tool turns by this at the most, rad.
+constexpr double kTurn = M_PI / 6;
+/// Farther from b a bound on how the tool turns is of no use, rad.
+constexpr double kFarthest = 0.75 * M_PI;
+
+std::string shortest_degrees(double radians) {
+  return std::to_string(static_cast<int>(std::lround(radians * 180 / M_PI)));
+}
 
 /// The least rotation from b to a.
 class LeastRotation {
@@ -99,14 +105,30 @@ class TrocarPose final : public PoseMap {
     return pose;
   }
 
+  [[nodiscard]] bool allows(const Eigen::VectorXd& q) const override {
+    const Vec3 way = trocar_.place - Vec3(q);
+    return tilt(way) <= trocar_.tilt && !is_too_deep(way);
+  }
+
   void check(const Eigen::VectorXd& q) const override {
     const Vec3 way = trocar_.place - Vec3(q);
-    const double length = way.norm();
-    if (length > 0 && 1 + trocar_.towards.dot(way / length) > kLeastCosine) return;
-    throw InputError("The tip at " + quantity(Vec3(q), "m") +
-                     " is at the trocar or beyond it: the trocar is at " +
-                     quantity(trocar_.place, "m") +
-                     ". Move the trocar (TrocarPoint) to the other side of the tip.");
+    const std::string where = "The tip at " + quantity(Vec3(q), "m") + " is ";
+    const std::string trocar = "the trocar at " + quantity(trocar_.place, "m");
+    if (!(tilt(way) <= M_PI / 2)) {
+      throw InputError(where + "at the trocar or beyond it: see " + trocar +
+                       ". Move the trocar (TrocarPoint) to the other side of the tip.");
+    }
+    if (!(tilt(way) <= trocar_.tilt)) {
+      throw InputError(where + shortest_degrees(tilt(way)) +
+                       " degrees aside of the way from the body to " + trocar +
+                       ", and MaximumTilt is " + shortest_degrees(trocar_.tilt) +
+                       " degrees. Move the trocar (TrocarPoint), or allow more.");
+    }
+    if (is_too_deep(way)) {
+      throw InputError(where + quantity(way.norm(), "m") + " from " + trocar +
+                       ", and MaximumDepth is " + quantity(trocar_.depth, "m") +
+                       ". Move the trocar (TrocarPoint), or allow more.");
+    }
   }
 
   // A point at s along the axis from the tip, and e beside it, moves by |1 − s/r| across the axis
@@ -124,12 +146,19 @@ class TrocarPose final : public PoseMap {
       along = std::max(along, std::abs(1 - s / within));
       aside = std::max(aside, (x - s * trocar_.axis).norm());
     }
-    const double cosine = std::max(trocar_.towards.dot(way / length), kLeastCosine - 1);
-    const double half = std::sqrt((1 - cosine) / (1 + cosine));
+    const double half = std::tan(0.5 * (std::min(tilt(way), kFarthest) + kTurn));
     return {along + aside * (1 + half) / within, within};
   }
 
  private:
+  /// The angle to b, rad; no number at the trocar itself.
+  [[nodiscard]] double tilt(const Vec3& way) const {
+    return std::acos(std::clamp(trocar_.towards.dot(way) / way.norm(), -1.0, 1.0));
+  }
+  [[nodiscard]] bool is_too_deep(const Vec3& way) const {
+    return trocar_.depth > 0 && way.norm() > trocar_.depth;
+  }
+
   Trocar trocar_;
   /// R₀.
   Mat3 from_axis_;
@@ -142,26 +171,37 @@ std::vector<double> Trocar::numbers() const {
   for (const Vec3* member : {&place, &axis, &tip, &towards}) {
     all.insert(all.end(), member->begin(), member->end());
   }
+  all.insert(all.end(), {tilt, depth});
   return all;
 }
 
 Trocar Trocar::from(const std::vector<double>& numbers) {
   Trocar trocar;
-  if (numbers.size() == 12) {
+  if (numbers.size() == kCount) {
     const double* next = numbers.data();
     for (Vec3* member : {&trocar.place, &trocar.axis, &trocar.tip, &trocar.towards}) {
       *member = Eigen::Map<const Vec3>(next);
       next += 3;
     }
+    trocar.tilt = next[0];
+    trocar.depth = next[1];
   }
   const bool are_finite = std::all_of(numbers.begin(), numbers.end(),
                                       [](double number) { return std::isfinite(number); });
-  if (numbers.size() != 12 || !are_finite || std::abs(trocar.axis.norm() - 1) > kUnit ||
-      std::abs(trocar.towards.norm() - 1) > kUnit) {
+  if (numbers.size() != kCount || !are_finite || std::abs(trocar.axis.norm() - 1) > kUnit ||
+      std::abs(trocar.towards.norm() - 1) > kUnit || !(trocar.tilt > 0) ||
+      trocar.tilt > M_PI / 2 + kUnit || trocar.depth < 0) {
     throw InputError("The motion of a tool through a trocar has " + std::to_string(numbers.size()) +
-                     " numbers, which are not the twelve of one. The file was damaged.");
+                     " numbers, which are not the " + std::to_string(kCount) +
+                     " of one. The file was damaged.");
   }
   return trocar;
+}
+
+std::string description(const Trocar& trocar) {
+  return "through the trocar at " + quantity(trocar.place, "m") + ", tilted by at most " +
+         shortest_degrees(trocar.tilt) + " degrees" +
+         (trocar.depth > 0 ? ", at most " + quantity(trocar.depth, "m") + " deep" : "");
 }
 
 PoseMapPtr trocar_pose(const Trocar& trocar) { return std::make_shared<const TrocarPose>(trocar); }

@@ -10,6 +10,9 @@
 // torque of a force h at the tip about o is (q − o) × h.
 #pragma once
 
+#include <cmath>
+#include <cstddef>
+#include <string>
 #include <vector>
 
 #include "interaction/pose_map.h"
@@ -24,12 +27,23 @@ struct Trocar {
   Vec3 tip = Vec3::Zero();
   /// b, of unit length.
   Vec3 towards = Vec3::UnitZ();
+  /// The largest angle between a and b, rad, at most a right one, and the largest |o − q|, m; 0:
+  /// any. They are the cone in which the instrument may be, and how deep it may go.
+  double tilt = M_PI / 2;
+  double depth = 0;
 
   /// In the order of the members.
   [[nodiscard]] std::vector<double> numbers() const;
-  /// @throws InputError these are not twelve finite numbers, or a direction is not of unit length.
+  /// @throws InputError these are not kCount finite numbers, or one is out of its range.
   [[nodiscard]] static Trocar from(const std::vector<double>& numbers);
+
+  static constexpr std::size_t kCount = 14;
+  /// Where `towards` begins.
+  static constexpr std::size_t kTowards = 9;
 };
+
+/// "through the trocar at 0 0 0.1 m, tilted by at most 60 degrees".
+[[nodiscard]] std::string description(const Trocar& trocar);
 
 [[nodiscard]] PoseMapPtr trocar_pose(const Trocar& trocar);
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <utility>
 #include <vector>
 
 #include "base/memory_ranges.h"
@@ -32,6 +33,14 @@ class BoxTree {
   template <class Visit>
   void for_overlapping(const Box& box, Visit&& visit) const;
 
+  /// Calls visit(place) for each item of the leaves in whose boxes some value may be below `most`,
+  /// which visit() may reduce during the traversal. Leaves with a lower bound tend to be visited
+  /// first.
+  /// @param bound bound(box) is a value below which there is none in a box.
+  /// @note Realtime-safe if bound and visit are.
+  template <class Bound, class Visit>
+  void for_below(const double& most, Bound&& bound, Visit&& visit) const;
+
   /// Calls visit(place) for each item of the leaves that are nearer to a point than a distance,
   /// which visit() may reduce during the traversal. Nearer leaves tend to be visited first.
   /// @param squared_distance The square of the distance, m².
@@ -49,7 +58,7 @@ class BoxTree {
   };
   struct Waiting {
     Index node;
-    double squared_distance;
+    double least;
   };
   /// The largest depth: the number of items is halved at each level.
   static constexpr int kDeepest = 32;
@@ -126,19 +135,18 @@ void BoxTree::for_overlapping(const Box& box, Visit&& visit) const {
   }
 }
 
-template <class Visit>
-void BoxTree::for_near(const Vec3& point, const double& squared_distance,
-                       Visit&& visit) const noexcept {
+template <class Bound, class Visit>
+void BoxTree::for_below(const double& most, Bound&& bound, Visit&& visit) const {
   if (nodes_.empty()) return;
   Waiting stack[kDeepest];
   int size = 0;
-  const auto push = [&](Index node, double distance) {
-    if (distance < squared_distance) stack[size++] = {node, distance};
+  const auto push = [&](Index node, double least) {
+    if (least < most) stack[size++] = {node, least};
   };
-  push(0, nodes_[0].box.squaredExteriorDistance(point));
+  push(0, bound(nodes_[0].box));
   while (size > 0) {
     const Waiting waiting = stack[--size];
-    if (waiting.squared_distance >= squared_distance) continue;
+    if (waiting.least >= most) continue;
     const Node& node = nodes_[waiting.node];
     if (node.first >= 0) {
       for (Index place = node.first; place < node.last; ++place) visit(place);
@@ -146,17 +154,25 @@ void BoxTree::for_near(const Vec3& point, const double& squared_distance,
     }
     const Index left = waiting.node + 1;
     const Index right = node.last;
-    const double to_left = nodes_[left].box.squaredExteriorDistance(point);
-    const double to_right = nodes_[right].box.squaredExteriorDistance(point);
-    // The nearer child is pushed last, so that it is popped first.
-    if (to_left < to_right) {
-      push(right, to_right);
-      push(left, to_left);
+    const double of_left = bound(nodes_[left].box);
+    const double of_right = bound(nodes_[right].box);
+    // The better child is pushed last, so that it is popped first.
+    if (of_left < of_right) {
+      push(right, of_right);
+      push(left, of_left);
     } else {
-      push(left, to_left);
-      push(right, to_right);
+      push(left, of_left);
+      push(right, of_right);
     }
   }
+}
+
+template <class Visit>
+void BoxTree::for_near(const Vec3& point, const double& squared_distance,
+                       Visit&& visit) const noexcept {
+  for_below(
+      squared_distance, [&](const Box& box) { return box.squaredExteriorDistance(point); },
+      std::forward<Visit>(visit));
 }
 
 }  // namespace palpate

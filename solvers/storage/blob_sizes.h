@@ -77,6 +77,10 @@ inline constexpr std::int64_t kOfNumbers = 1 << 16;
 // Table tool_space.
 /// The columns material_point, tool_axis and origin.
 [[nodiscard]] inline Size<double> vector() { return exactly<double>(3); }
+/// The column numbers of table tool_motion.
+[[nodiscard]] inline Size<double> motion_numbers() {
+  return up_to<double>(kOfNumbers / std::int64_t{sizeof(double)});
+}
 [[nodiscard]] inline Size<double> tool_points() {
   return up_to<double>(kLargestRow / std::int64_t{sizeof(double)}, 3);
 }

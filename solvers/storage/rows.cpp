@@ -194,6 +194,11 @@ std::int64_t checksum(const ToolSpace& space, Checked checked) {
   // A tool without an offset was stored by a version that had none.
   const double offset = space.setup.interaction.tool.law.offset;
   if (offset != 0) Gather{bits}(offset);
+  const RigidTool& tool = space.setup.interaction.tool;
+  if (tool.motion != ToolMotion::translated) {
+    bits.push_back(static_cast<std::int64_t>(tool.motion));
+    for (const double number : tool.motion_numbers) Gather{bits}(number);
+  }
   if (space.setup.region) for_each_number_of_mesh_region(*space.setup.region, Gather{bits});
   return checksum_of(bits);
 }

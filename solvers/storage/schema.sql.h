@@ -283,6 +283,23 @@ CREATE TABLE contact_offset (
 );
 )sql";
 
+// The table of motions is made when the tool space of a rigid tool is stored that is not
+// translated.
+inline constexpr char kToolMotionSchema[] = R"sql(
+CREATE TABLE tool_motion (
+  scene_id      INTEGER NOT NULL REFERENCES scene,
+  tool_space_id INTEGER NOT NULL,
+  motion        INTEGER NOT NULL,     -- 1: through a trocar
+  numbers       BLOB NOT NULL,        -- float64 [14] of a trocar: its place, m; the tool's axis
+                                      -- towards the handle, in its own axes; the tip from the
+                                      -- tool's centre, m; the direction about which it is moved;
+                                      -- the largest angle to that, rad; the largest distance of
+                                      -- the tip from the trocar, m, 0: any. The checksum of the
+                                      -- tool space takes all of this in
+  PRIMARY KEY (scene_id, tool_space_id)
+);
+)sql";
+
 // The table of regions is made when the tool space of a region is stored.
 inline constexpr char kMeshRegionSchema[] = R"sql(
 CREATE TABLE mesh_region (            -- of an organ that is divided: where a tool space serves
@@ -340,9 +357,10 @@ struct OptionalTable {
   const char* schema;
 };
 inline constexpr OptionalTable optional_tables[] = {
-    {"reduced_array", kReducedSchema},    {"body_force", kBodyForceSchema},
-    {"boundary_array", kBoundarySchema},  {"contact_offset", kContactOffsetSchema},
-    {"mesh_region", kMeshRegionSchema},   {"mesh_error", kMeshErrorSchema},
-    {"body_contact", kBodyContactSchema}, {"body_cut", kBodyCutSchema}};
+    {"reduced_array", kReducedSchema},   {"body_force", kBodyForceSchema},
+    {"boundary_array", kBoundarySchema}, {"contact_offset", kContactOffsetSchema},
+    {"tool_motion", kToolMotionSchema},  {"mesh_region", kMeshRegionSchema},
+    {"mesh_error", kMeshErrorSchema},    {"body_contact", kBodyContactSchema},
+    {"body_cut", kBodyCutSchema}};
 
 }  // namespace palpate::storage

@@ -13,6 +13,8 @@
 //   transition     which level is reached from where, in a space with levels
 //   intermediate   states on the way to each configuration, where they were asked for
 //   test_point     equilibria beside the configurations, see state_space/test_point.h
+//   tool_motion    how a rigid tool is moved that is not translated; a file without such a tool has
+//                  no such table
 //   mesh_region    the region that a tool space is for, of an organ that is divided; a file without
 //                  regions has no such table
 //   body_cut       the cut of a body and the stage at which that is; a file without cuts has no

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "interaction/motion_kind.h"
 #include "storage/rows.h"
 
 namespace palpate::storage {
@@ -58,6 +59,8 @@ class Rigid : public StoredKind {
            rows::is_length(tool.length) && tool.axis.allFinite() &&
            rows::is_length(tool.law.thickness) && rows::is_length(tool.law.stiffness) &&
            rows::is_length(tool.law.offset) &&
+           std::all_of(tool.motion_numbers.begin(), tool.motion_numbers.end(),
+                       [](double number) { return std::isfinite(number); }) &&
            std::all_of(tool.points.begin(), tool.points.end(),
                        [](const Vec3& p) { return p.allFinite(); }) &&
            std::all_of(tool.triangles.begin(), tool.triangles.end(), [&](const auto& triangle) {
@@ -71,12 +74,13 @@ class Rigid : public StoredKind {
   }
 
   [[nodiscard]] std::string describe(const ToolSpaceSetup& setup) const override {
-    const ContactLaw& law = setup.interaction.tool.law;
+    const RigidTool& tool = setup.interaction.tool;
+    const ContactLaw& law = tool.law;
     const Grid& grid = setup.grid;
     return "contact thickness " + shortest(law.thickness) + " m, contact stiffness " +
            shortest(law.stiffness) + " Pa, drawn back by " + shortest(law.offset) + " m, spacing " +
            shortest(grid.coarsest * grid.spacing()) + " m, depth " + shortest(setup.policy.depth) +
-           " m";
+           " m, " + motion_kind(tool.motion).description(tool.motion_numbers);
   }
 
   [[nodiscard]] const char* what_may_change() const override {

@@ -18,6 +18,7 @@ using sqlite::Statement;
 
 constexpr char kContactOffset[] = "contact_offset";
 constexpr char kMeshRegion[] = "mesh_region";
+constexpr char kToolMotion[] = "tool_motion";
 
 /// The oldest version in which a tool has a surface of its own.
 constexpr std::int64_t kFirstWithSurfaces = 8;
@@ -88,6 +89,14 @@ void ToolSpaces::write(const ToolSpace& space) {
   if (const double offset = space.setup.interaction.tool.law.offset; offset != 0) {
     write_optional(kContactOffset, key, [&](Statement& row) { row.bind(offset); });
   }
+  const RigidTool& tool = space.setup.interaction.tool;
+  if (tool.motion != ToolMotion::translated) {
+    write_optional(kToolMotion, key, [&](Statement& row) {
+      const rows::Bind bind{row};
+      bind(tool.motion);
+      bind(tool.motion_numbers);
+    });
+  }
   if (space.setup.region) {
     write_optional(kMeshRegion, key, [&](Statement& row) {
       for_each_number_of_mesh_region(*space.setup.region, rows::Bind{row});
@@ -122,6 +131,18 @@ double ToolSpaces::contact_offset(const ToolSpaceKey& key) const {
   return select.step() ? select.take_double() : 0;
 }
 
+bool ToolSpaces::take_motion(const ToolSpaceKey& key, RigidTool& tool) const {
+  if (!has_table(connection_.database(), kToolMotion)) return true;
+  Statement select(
+      connection_.database(),
+      "SELECT motion, numbers FROM tool_motion WHERE scene_id = ? AND tool_space_id = ?");
+  select.bind(key.body);
+  select.bind(key.id);
+  if (!select.step()) return true;
+  tool.motion = static_cast<ToolMotion>(select.take_integer());
+  return blobs::copy(select.take_blob(), blobs::motion_numbers(), tool.motion_numbers);
+}
+
 std::optional<MeshRegion> ToolSpaces::mesh_region(const ToolSpaceKey& key) const {
   if (!has_table(connection_.database(), kMeshRegion)) return std::nullopt;
   Statement select(connection_.database(),
@@ -150,6 +171,7 @@ void ToolSpaces::read_into(BodyId body, std::vector<ToolSpace>& tool_spaces) con
     bool sound = true;
     rows::for_each_number_of_tool_space(space, rows::Take{select, sound});
     space.setup.interaction.tool.law.offset = contact_offset(space.setup.key());
+    sound = take_motion(space.setup.key(), space.setup.interaction.tool) && sound;
     space.setup.region = mesh_region(space.setup.key());
     const std::int64_t stored = select.take_integer();
     if (connection_.has_checksums()) {

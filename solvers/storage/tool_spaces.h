@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tool spaces of a file without what was found in them: the tables tool_space, contact_offset
-// and mesh_region.
+// The tool spaces of a file without what was found in them: the tables tool_space, contact_offset,
+// tool_motion and mesh_region.
 #pragma once
 
 #include <functional>
@@ -44,6 +44,8 @@ class ToolSpaces {
  private:
   /// The offset of the contact layer of a rigid tool, m.
   [[nodiscard]] double contact_offset(const ToolSpaceKey& key) const;
+  /// Sets how a rigid tool is moved. @returns Whether what is stored of it is sound.
+  bool take_motion(const ToolSpaceKey& key, RigidTool& tool) const;
   /// The region in which a tool space serves; nothing: everywhere.
   [[nodiscard]] std::optional<MeshRegion> mesh_region(const ToolSpaceKey& key) const;
   /// Writes the row of a tool space in an optional table.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqPalpateToolView.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +12,7 @@
 #include "vtkCellArray.h"
 #include "vtkFloatArray.h"
 #include "vtkGlyph3D.h"
+#include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkPVRenderView.h"
 #include "vtkPalpateShownTool.h"
@@ -272,6 +274,7 @@ void pqPalpateToolView::MakeTip(double radius)
 void pqPalpateToolView::MakeRigidTool(const palpate::RigidTool& tool)
 {
   SetPolyData(this->Tool, vtkPalpateToolSurface(tool), 0);
+  this->Poses = palpate::pose_of(tool);
   this->Tool->GetProperty()->SetColor(ToolColour);
   this->Tool->GetProperty()->SetOpacity(ToolOpacity);
 }
@@ -359,11 +362,26 @@ void pqPalpateToolView::Show(const palpate::Tick& tick, bool free, double depth)
   const bool touches = palpate::touches(contact.status);
   const palpate::Vec3 place = touches ? contact.tool_place() : tick.position;
   this->Tool->SetVisibility(touches || free);
-  this->Tool->SetPosition(place.x(), place.y(), place.z());
+  this->PlaceTool(place);
   // The tip of a blade is small, whatever the nodes are moved by.
   const bool cuts = contact.status == palpate::ContactStatus::cutting;
   this->Tool->SetScale(cuts ? this->BladeScale : 1);
   this->ShowForce(contact, place, depth);
+}
+
+void pqPalpateToolView::PlaceTool(const palpate::Vec3& place)
+{
+  palpate::Pose pose;
+  pose.place = place;
+  if (this->Poses)
+  {
+    pose = this->Poses->at(place);
+  }
+  this->Tool->SetPosition(pose.place.x(), pose.place.y(), pose.place.z());
+  const Eigen::AngleAxisd turn(pose.rotation);
+  const palpate::Vec3& axis = turn.axis();
+  this->Tool->SetOrientation(0, 0, 0);
+  this->Tool->RotateWXYZ(vtkMath::DegreesFromRadians(turn.angle()), axis.x(), axis.y(), axis.z());
 }
 
 void pqPalpateToolView::ShowTool(const palpate::Contact& contact, bool has)
@@ -375,7 +393,7 @@ void pqPalpateToolView::ShowTool(const palpate::Contact& contact, bool has)
     dot->SetPosition(u.x(), u.y(), u.z());
   }
   this->Tool->SetVisibility(has);
-  this->Tool->SetPosition(place.x(), place.y(), place.z());
+  this->PlaceTool(place);
   this->ShowForce(contact, place, u.norm());
 }
 

@@ -12,6 +12,7 @@
 
 #include "haptic/servo/tick.h"
 #include "haptic/touching/touchable.h"
+#include "interaction/pose_map.h"
 #include "vtkActor.h"
 #include "vtkCoordinate.h"
 #include "vtkNew.h"
@@ -60,6 +61,8 @@ private:
   void MakeNodes(vtkPoints* places, double size);
   /// Makes the other actors, and adds all of them to the view.
   void MakeActors(vtkSMRenderViewProxy* view);
+  /// Shows the tool as it is turned at a place.
+  void PlaceTool(const palpate::Vec3& place);
   /// Shows the arrow, and the numbers beside the tool.
   void ShowForce(const palpate::Contact& contact, const palpate::Vec3& place, double depth);
   /// Puts the numbers beside a place, on the side where there is room.
@@ -77,6 +80,8 @@ private:
   /// Where a cut that opens meets the surface.
   vtkNew<vtkActor> Mouth;
   vtkNew<vtkActor> Tool;
+  /// How a rigid tool is moved; null: there is none.
+  palpate::PoseMapPtr Poses;
   vtkNew<vtkActor> Arrow;
   vtkNew<vtkTextActor> Text;
   /// Force and depth in numbers, and the place of the tool beside which they stand.

@@ -121,6 +121,32 @@ TEST(TrocarPose, ATipBehindTheTrocarAndBadNumbersAreRefused) {
   EXPECT_THROW((void)motion_kind(ToolMotion::trocar).make({1, 2, 3}), InputError);
 }
 
+TEST(TrocarPose, ATipBeyondTheConeOrTooDeepIsRefused) {
+  Trocar trocar = trocar_above();
+  trocar.towards = Vec3::UnitZ();
+  trocar.tilt = 0.3;
+  trocar.depth = 0.12;
+  const PoseMapPtr map = trocar_pose(trocar);
+  const auto below = [&](double depth, double tilt) {
+    return Vec3(trocar.place - depth * Vec3(std::sin(tilt), 0, std::cos(tilt)));
+  };
+  const auto error = [&](const Vec3& q) { return message_of([&] { map->check(q); }); };
+  for (const auto& [depth, tilt] : {std::pair(0.1, 0.29), {0.11, -0.29}, {0.119, 0.0}}) {
+    EXPECT_TRUE(map->allows(below(depth, tilt)));
+    EXPECT_NO_THROW(map->check(below(depth, tilt)));
+  }
+  for (const double tilt : {0.31, -0.31, 1.5, 2.0}) {
+    EXPECT_FALSE(map->allows(below(0.1, tilt)));
+    EXPECT_NE(error(below(0.1, tilt)).find(tilt < 1.57 ? "MaximumTilt" : "beyond it"),
+              std::string::npos);
+  }
+  EXPECT_FALSE(map->allows(below(0.121, 0)));
+  EXPECT_NE(error(below(0.121, 0)).find("MaximumDepth"), std::string::npos);
+  EXPECT_FALSE(map->allows(trocar.place));
+  trocar.tilt = 1.7;
+  EXPECT_THROW((void)Trocar::from(trocar.numbers()), InputError);
+}
+
 /// The rod pressed into the top of a block from above, 3 mm deep.
 struct Pressed {
   explicit Pressed(const Trocar& trocar, bool third = false)

@@ -22,6 +22,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "interaction/trocar_pose.h"
 #include "solvers/state_space/example_space.h"
 
 namespace palpate::test::test_state_space_file {
@@ -350,6 +351,39 @@ TEST_F(StateSpaceFileTest, TheOffsetOfALayerIsKeptAndChecked) {
   const StateSpaceFile changed = StateSpaceFile::open_read_only(with);
   EXPECT_TRUE(changed.read_tool_spaces().empty());
   EXPECT_FALSE(changed.left_out().empty());
+}
+
+// A translated tool leaves a file as it was before there were others.
+TEST_F(StateSpaceFileTest, TheMotionOfAToolIsKeptAndChecked) {
+  ToolSpaceSetup setup;
+  setup.id = kContactToolSpace;
+  setup.grid = {0.08, 17, 2, Vec3::Zero(), true};
+  RigidTool tool;
+  tool.radius = 0.01;
+  const auto add = [&](const char* name) {
+    setup.interaction = rigid_contact_spec(tool);
+    StateSpaceFile file = StateSpaceFile::create(folder_ / name, scene_, kTolerance);
+    file.add_tool_space(setup);
+    file.close();
+    return folder_ / name;
+  };
+  const std::string tables = "SELECT count(*) FROM sqlite_master WHERE name = 'tool_motion'";
+  const fs::path translated = add("translated.palpate");
+  EXPECT_EQ(sqlite::Database(translated, sqlite::Access::read_only).integer(tables), 0);
+  tool.motion = ToolMotion::trocar;
+  tool.motion_numbers = Trocar{Vec3(0, 0, 0.2)}.numbers();
+  const fs::path turned = add("turned.palpate");
+  EXPECT_TRUE(StateSpaceFile::open_read_only(turned).read_tool_spaces().at(0).setup == setup);
+  for (const char* change : {"DELETE FROM tool_motion", "UPDATE tool_motion SET motion = 7",
+                             "UPDATE tool_motion SET numbers = zeroblob(112)",
+                             "UPDATE tool_motion SET numbers = zeroblob(11)"}) {
+    const fs::path damaged = folder_ / "damaged.palpate";
+    fs::copy_file(turned, damaged, fs::copy_options::overwrite_existing);
+    sqlite::Database(damaged, sqlite::Access::read_write).execute(change);
+    const StateSpaceFile changed = StateSpaceFile::open_read_only(damaged);
+    EXPECT_TRUE(changed.read_tool_spaces().empty()) << change;
+    EXPECT_FALSE(changed.left_out().empty()) << change;
+  }
 }
 
 TEST_F(StateSpaceFileTest, KeepsAToolWhoseSurfaceIsFinerThanTheBody) {
