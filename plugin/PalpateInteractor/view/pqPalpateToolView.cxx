@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqPalpateToolView.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,10 +11,8 @@
 #include "vtkCellArray.h"
 #include "vtkFloatArray.h"
 #include "vtkGlyph3D.h"
-#include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkPVRenderView.h"
-#include "vtkPalpateShownTool.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
@@ -377,11 +374,16 @@ void pqPalpateToolView::PlaceTool(const palpate::Vec3& place)
   {
     pose = this->Poses->at(place);
   }
-  this->Tool->SetPosition(pose.place.x(), pose.place.y(), pose.place.z());
-  const Eigen::AngleAxisd turn(pose.rotation);
-  const palpate::Vec3& axis = turn.axis();
-  this->Tool->SetOrientation(0, 0, 0);
-  this->Tool->RotateWXYZ(vtkMath::DegreesFromRadians(turn.angle()), axis.x(), axis.y(), axis.z());
+  vtkNew<vtkMatrix4x4> matrix;
+  for (int i = 0; i < 3; ++i)
+  {
+    for (int j = 0; j < 3; ++j)
+    {
+      matrix->SetElement(i, j, pose.rotation(i, j));
+    }
+    matrix->SetElement(i, 3, pose.place[i]);
+  }
+  this->Tool->SetUserMatrix(matrix);
 }
 
 void pqPalpateToolView::ShowTool(const palpate::Contact& contact, bool has)

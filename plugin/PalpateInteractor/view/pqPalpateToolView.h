@@ -12,10 +12,10 @@
 
 #include "haptic/servo/tick.h"
 #include "haptic/touching/touchable.h"
-#include "interaction/pose_map.h"
 #include "vtkActor.h"
 #include "vtkCoordinate.h"
 #include "vtkNew.h"
+#include "vtkPalpateShownTool.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkWeakPointer.h"
 
