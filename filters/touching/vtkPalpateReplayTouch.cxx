@@ -599,9 +599,16 @@ int vtkPalpateReplayTouch::RequestData(
       for (vtkPolyData* output : { surface, tool, force })
       {
         AddFields(output, frame);
-        output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
       }
     });
+  // Of each port and on each rank, and where it has failed too: what has no time would be asked for
+  // again.
+  for (int port = 0; port < NumberOfPorts; ++port)
+  {
+    vtkPolyData::GetData(outputVector, port)
+      ->GetInformation()
+      ->Set(vtkDataObject::DATA_TIME_STEP(), time);
+  }
   return 1;
 }
 

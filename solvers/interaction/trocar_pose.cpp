@@ -192,8 +192,9 @@ Trocar Trocar::from(const std::vector<double>& numbers) {
       std::abs(trocar.towards.norm() - 1) > kUnit || !(trocar.tilt > 0) ||
       trocar.tilt > M_PI / 2 + kUnit || trocar.depth < 0) {
     throw InputError("The motion of a tool through a trocar has " + std::to_string(numbers.size()) +
-                     " numbers, which are not the " + std::to_string(kCount) +
-                     " of one. The file was damaged.");
+                     " numbers, which are not those of one: " + std::to_string(kCount) +
+                     " finite ones, with directions of unit length and a tilt of at most a right "
+                     "angle. The file was damaged.");
   }
   return trocar;
 }

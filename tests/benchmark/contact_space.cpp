@@ -6,12 +6,16 @@
 //     [--radius 10] [--depth 8] [--spacing 4] [--tolerance 0] [--tests 2000] [--file space.palpate]
 //     [--method 4] [--node 0] [--region 0] [--single 1] [--newton 0] [--thickness 0] [--levels 1]
 //     [--seconds 0] [--sides 0] [--seed 2008] [--hand -1] [--around 0]
-//     [--states 500]
+//     [--states 500] [--length 0] [--trocar 0]
 //
 // Lengths in mm, the tolerance as a share of the largest force; where a region is given, the space
 // is of the surface within that distance of a point of the mesh; the layer of contact is the one
 // that is calibrated unless its thickness is given. Factors are in single precision as
 // in Precompute State Space unless that is 0; the floor is that of the same precision.
+//
+// With --length the tool is a rod with round ends of that distance, which stands on the surface at
+// the node. With --trocar it goes through a trocar that is so far out from the node, and pivots
+// there; its torque is tested beside that of the equilibria.
 //
 // The tests are at places at random that the space never saw: half of them presses straight along
 // the normal, half of them slides, which go on from a press to a place beside it, of another depth.
@@ -52,12 +56,15 @@
 #include <vector>
 
 #include "accuracy/surface_places.h"
+#include "assembly/loaded_faces.h"
 #include "base/error.h"
 #include "equilibrium/condensed_system.h"
 #include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
 #include "exploration/transfer.h"
 #include "following/follow_session.h"
+#include "interaction/motion_kind.h"
+#include "interaction/trocar_pose.h"
 #include "interpolation/error_estimate.h"
 #include "interpolation/passivity_figures.h"
 #include "interpolation/tool_force.h"
@@ -80,7 +87,8 @@ struct Arguments {
       {"radius", "10"}, {"depth", "8"},  {"spacing", "4"},   {"tolerance", "0"}, {"tests", "2000"},
       {"file", ""},     {"method", "4"}, {"node", "0"},      {"region", "0"},    {"single", "1"},
       {"newton", "0"},  {"levels", "1"}, {"thickness", "0"}, {"seconds", "0"},   {"sides", "0"},
-      {"seed", "2008"}, {"hand", "-1"},  {"around", "0"},    {"states", "500"}};
+      {"seed", "2008"}, {"hand", "-1"},  {"around", "0"},    {"states", "500"},  {"length", "0"},
+      {"trocar", "0"}};
 
   Arguments(int argc, char** argv) {
     if (argc < 2 || argc % 2 != 0)
@@ -474,6 +482,49 @@ std::vector<Vec3> places_of_hand(const Scene& scene, const ToolClearance& cleara
   return result;
 }
 
+/// The rod that stands on the surface at a node, and the trocar through which it goes, if there
+/// are.
+void make_rod(const Arguments& arguments, const Scene& scene, RigidTool& tool) {
+  const auto node = static_cast<std::size_t>(arguments.number("node"));
+  const TetMesh& mesh = scene.body.mesh;
+  const Vec3 out = normals_at(mesh, boundary_faces(mesh))[node].normalized();
+  if (const double length = 1e-3 * arguments.number("length"); length > 0) {
+    tool.shape = ToolShape::capsule;
+    tool.axis = out;
+    tool.length = length;
+  }
+  if (const double far = 1e-3 * arguments.number("trocar"); far > 0) {
+    Trocar trocar;
+    trocar.place = mesh.points[node] + far * out;
+    trocar.axis = trocar.towards = out;
+    trocar.tip = -0.5 * tool.length * out;
+    tool.motion = ToolMotion::trocar;
+    tool.motion_numbers = trocar.numbers();
+  }
+}
+
+/// How wrong the torque about the trocar is, beside the largest one.
+void print_torques(const RigidTool& tool, const std::vector<Test>& tests) {
+  const MotionKind& kind = motion_kind(tool.motion);
+  const auto torque = [&](const Vec3& q, const Vec3& h) {
+    return kind.torque(tool.motion_numbers, q, h);
+  };
+  if (!torque(Vec3::Zero(), Vec3::Zero())) return;
+  std::vector<double> errors;
+  double largest = 0;
+  for (const Test& test : tests) {
+    if (test.outcome != Outcome::converged) continue;
+    const Vec3 exact = *torque(test.place, test.exact);
+    largest = std::max(largest, exact.norm());
+    errors.push_back((exact - *torque(test.place, test.interpolated)).norm());
+  }
+  std::printf(
+      "\nLargest torque %.4f N m\n\n| error of the torque, %% of it | tests | rms | median | "
+      "95 %% | 99 %% | largest |\n|---|---|---|---|---|---|---|\n",
+      largest);
+  print_errors("all", errors, largest);
+}
+
 void measure(const Arguments& arguments, Communicator& world) {
   Scene scene = StateSpaceFile::open_read_only(arguments.scene).read_scene();
   if (const double region = 1e-3 * arguments.number("region"); region > 0) {
@@ -486,6 +537,7 @@ void measure(const Arguments& arguments, Communicator& world) {
   options.contact.emplace();
   options.contact->tool.radius = 1e-3 * arguments.number("radius");
   options.contact->tool.law.thickness = 1e-3 * arguments.number("thickness");
+  make_rod(arguments, scene, options.contact->tool);
   options.contact->spacing = 1e-3 * arguments.number("spacing");
   options.contact->shell.depth = 1e-3 * arguments.number("depth");
   options.contact->most_configurations = 1'000'000;
@@ -666,6 +718,7 @@ void measure(const Arguments& arguments, Communicator& world) {
                  }),
                  largest);
   }
+  print_torques(tool, tests);
   std::printf("\n%lld tests did not converge\n",
               static_cast<long long>(std::count_if(tests.begin(), tests.end(), [](const Test& t) {
                 return t.outcome != Outcome::converged;

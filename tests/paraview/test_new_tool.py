@@ -10,8 +10,8 @@ import sys
 import numpy
 from paraview.simple import (AssignMaterial, GetSources, LoadPlugin, LoadState,
                              PrecomputeStateSpace, ResetSession, SaveState, SetBoundary,
-                             SolveDynamics, SolveEquilibrium)
-from support import box_body, expect_error, expect_silence, fetch, field, source
+                             SolveDynamics, SolveEquilibrium, StateSpaceReader, TouchStateSpace)
+from support import box_body, expect_silence, fetch, field, source
 
 RADIUS = 0.04
 # Of the box of support.py, whose top is at z = 0.1 m, the middle of the top, and above.
@@ -105,10 +105,23 @@ def test_a_state_keeps_it(boundary):
     assert (field(fetch(solve), "ReactionForce")[0] == expected).all()
 
 
-def test_a_space_says_that_it_cannot(boundary):
-    space = PrecomputeStateSpace(Input=boundary, Tool="Capsule", LogInterval=0)
+def test_a_space_has_the_motion(boundary):
+    place = [0.11, 0.05, 0.139]
+    solve = press(boundary, "Capsule", ("Tilted", 30), place, Length=0.02)
+    right = field(fetch(solve), "ReactionForce")[0]
+    space = PrecomputeStateSpace(Input=boundary, Tool="Capsule", LogInterval=0, Spacing=0.006,
+                                 Depth=0.009, ThirdDerivatives=1, UseToolRegion=1,
+                                 ToolRegion="Sphere", FileName="tilted.palpate")
+    space.ToolRegion.Center, space.ToolRegion.Radius = [0.11, 0.05, 0.1], 0.02
+    for name in ("Radius", "Length", "Axis"):
+        setattr(space.Tool, name, getattr(solve.Tool, name))
     space.Tool.Motion = "Tilted"
-    expect_error(space.UpdatePipeline, "Translated")
+    space.Tool.Motion.Angle = 30
+    for source_of_space in (space, StateSpaceReader(FileName="tilted.palpate")):
+        source_of_space.UpdatePipeline()
+        touch = fetch(TouchStateSpace(Input=source_of_space, ToolPosition=place))
+        force = field(touch, "Force")[0]
+        assert abs(force - right).max() < 0.05 * abs(right).max(), (force, right)
 
 
 def main():
@@ -118,7 +131,7 @@ def main():
     test_lists(boundary)
     test_forces(boundary)
     test_a_change_is_heard_of(boundary)
-    test_a_space_says_that_it_cannot(boundary)
+    test_a_space_has_the_motion(boundary)
     test_a_state_keeps_it(boundary)
 
 
