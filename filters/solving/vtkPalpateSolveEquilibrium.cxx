@@ -19,7 +19,6 @@
 #include "interaction/held_points.h"
 #include "interaction/interaction.h"
 #include "interaction/mesh_error.h"
-#include "interaction/motion_kind.h"
 #include "interaction/rigid_tool.h"
 #include "soft_contact/soft_contact.h"
 #include "tearing/pressed_sides.h"
@@ -310,16 +309,9 @@ void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene,
   std::copy(patch.pressure.begin(), patch.pressure.end(), pressure->GetPointer(0));
   output->GetPointData()->AddArray(pressure);
   vtkPalpateAddNumber(output, "ContactArea", patch.area);
-  const palpate::RigidTool& tool = route.Rigid;
-  const auto torque =
-    palpate::motion_kind(tool.motion).torque(tool.motion_numbers, state.t, state.reaction);
-  if (torque)
+  if (const auto torque = palpate::torque_of(route.Rigid, state.t, state.reaction))
   {
-    vtkNew<vtkDoubleArray> reaction;
-    reaction->SetName("ReactionTorque");
-    reaction->SetNumberOfComponents(3);
-    reaction->InsertNextTuple(torque->data());
-    output->GetFieldData()->AddArray(reaction);
+    vtkPalpateAddField<vtkDoubleArray>(output, "ReactionTorque", 3, *torque);
   }
   const double layerForce =
     palpate::contact_layer_force(patch.layer_depth, state.reaction, state.stiffness);

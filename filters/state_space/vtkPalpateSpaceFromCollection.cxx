@@ -185,7 +185,7 @@ void ReadContact(vtkFieldData* fields, vtkIdType number, palpate::ToolSpaceSetup
   if (fields->GetArray(ToolMotion))
   {
     tool.motion = static_cast<palpate::ToolMotion>(
-      static_cast<int>(fields->GetArray(ToolMotion)->GetTuple1(0)));
+      static_cast<int>(Required(fields, ToolMotion, 1)->GetComponent(0, 0)));
     vtkDataArray* numbers = Required(fields, MotionNumbers, 1);
     for (vtkIdType i = 0; i < numbers->GetNumberOfTuples(); ++i)
     {

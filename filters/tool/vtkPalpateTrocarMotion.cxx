@@ -2,7 +2,6 @@
 #include "vtkPalpateTrocarMotion.h"
 
 #include <cmath>
-#include <string>
 
 #include "base/error.h"
 #include "base/quantity.h"
@@ -57,8 +56,8 @@ void vtkPalpateTrocarMotion::Describe(palpate::RigidTool& tool) const
   }
   if (!(this->MaximumTilt > 0 && this->MaximumTilt <= 90))
   {
-    throw palpate::InputError("MaximumTilt is " + std::to_string(this->MaximumTilt) +
-      " degrees, but must be above 0 and at most 90.");
+    throw palpate::InputError("MaximumTilt is " + palpate::quantity(this->MaximumTilt, "degrees") +
+      ", but must be above 0 and at most 90.");
   }
   if (!(this->MaximumDepth >= 0) || !std::isfinite(this->MaximumDepth))
   {

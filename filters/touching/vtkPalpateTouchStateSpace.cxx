@@ -15,7 +15,6 @@
 #include "base/printable.h"
 #include "base/quantity.h"
 #include "interaction/mesh_error.h"
-#include "interaction/motion_kind.h"
 #include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
@@ -891,10 +890,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   if (presses)
   {
     AddVector(output, "ToolPosition", 3, t.data());
-    const palpate::RigidTool& tool = toolSpace.setup.interaction.tool;
-    const auto torque =
-      palpate::motion_kind(tool.motion).torque(tool.motion_numbers, t, touch.force);
-    if (torque)
+    if (const auto torque = palpate::torque_of(toolSpace.setup.interaction.tool, t, touch.force))
     {
       AddVector(output, "Torque", 3, torque->data());
     }

@@ -13,25 +13,35 @@ namespace {
 /// The depth at which pressable_points() asks whether the tool can press, in half-widths of the
 /// tool. A place so close to the surface is in the first cell.
 constexpr double kIn = 0.02;
-/// The most steps to a place at which the tool touches, and when that is found, in half-widths.
+/// The most steps to a place at which the tool touches, and by what its pose changes, rad and m,
+/// when that is found.
 constexpr int kMostTurns = 20;
 constexpr double kFound = 1e-9;
 /// The step of depth_left(), in sides of the finest cells.
 constexpr double kStep = 0.25;
 
+/// @param poses Those of the tool.
+Vec3 touching_place(const RigidTool& tool, const PoseMap& poses, const Vec3& place,
+                    const Vec3& normal) {
+  // A tool that turns as it comes is found step by step; another one is after the first.
+  Vec3 q = place;
+  Pose pose = poses.at(q);
+  for (int step = 0; step < kMostTurns; ++step) {
+    const Vec3 found = place + reach_at(tool, pose, q, -normal) * normal;
+    const Pose there = poses.at(found);
+    const double turned = (there.rotation - pose.rotation).norm();
+    const double moved = ((there.place - found) - (pose.place - q)).norm();
+    q = found;
+    pose = there;
+    if (std::max(turned, moved) <= kFound) break;
+  }
+  return q;
+}
+
 }  // namespace
 
 Vec3 touching_place(const RigidTool& tool, const Vec3& place, const Vec3& normal) {
-  const PoseMapPtr pose = pose_of(tool);
-  // A tool that turns as it comes is found step by step.
-  Vec3 q = place;
-  for (int step = 0; step < kMostTurns; ++step) {
-    const Vec3 found = place + reach_at(tool, *pose, q, -normal) * normal;
-    const double missing = (found - q).norm();
-    q = found;
-    if (missing <= kFound * half_width(tool)) break;
-  }
-  return q;
+  return touching_place(tool, *pose_of(tool), place, normal);
 }
 
 std::vector<Vec3> point_normals(const Surface& surface) {
@@ -49,9 +59,11 @@ std::vector<char> pressable_points(const Surface& surface, const RigidTool& tool
                                    const ToolForce& force) {
   const std::vector<Vec3> normals = point_normals(surface);
   const double in = kIn * half_width(tool);
+  const PoseMapPtr poses = pose_of(tool);
   std::vector<char> pressable(surface.points.size());
   for (std::size_t p = 0; p < pressable.size(); ++p) {
-    const Vec3 place = touching_place(tool, surface.points[p], normals[p]) - in * normals[p];
+    const Vec3 place =
+        touching_place(tool, *poses, surface.points[p], normals[p]) - in * normals[p];
     pressable[p] = force.has_cell(place) ? 1 : 0;
   }
   return pressable;
@@ -67,7 +79,7 @@ double depth_left(const ToolForce& force, const Vec3& place, const Vec3& directi
 
 double depth_in_body(const SurfaceTree& surface, const RigidTool& tool, const Vec3& place) {
   const SurfaceTree::Nearest nearest = surface.nearest(place);
-  return reach_at(tool, *pose_of(tool), place, -nearest.normal) - nearest.distance;
+  return reach_at(tool, pose_of(tool)->at(place), place, -nearest.normal) - nearest.distance;
 }
 
 StartPlace start_place(const TouchSpace& space, const Touchable& body,

@@ -96,12 +96,12 @@ std::vector<PlannedSpace> plan_grids(const SpaceBody& of, const PrecomputeOption
 }
 
 void throw_nothing_to_press(const PrecomputeOptions& options) {
-  const bool turns = options.contact && options.contact->tool.motion != ToolMotion::translated;
+  const bool is_bounded = options.contact && options.contact->tool.motion == ToolMotion::trocar;
   throw InputError(
       "There is nothing to press: no touchable face of the surface is in the region" +
-      std::string(turns ? " and where the motion of the tool leads" : "") +
+      std::string(is_bounded ? " and where the motion of the tool leads" : "") +
       ". Choose touchable points with Set Boundary, or another region" +
-      (turns ? ", or move the trocar (TrocarPoint, MaximumTilt, MaximumDepth)." : "."));
+      (is_bounded ? ", or move the trocar (TrocarPoint, MaximumTilt, MaximumDepth)." : "."));
 }
 
 ToolSpaceSetup plan_tool(const SpaceBody& of, const PrecomputeOptions& options,

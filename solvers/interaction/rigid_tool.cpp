@@ -90,9 +90,12 @@ PoseMapPtr pose_of(const RigidTool& tool) {
   return motion_kind(tool.motion).make(tool.motion_numbers);
 }
 
-double reach_at(const RigidTool& tool, const PoseMap& pose, const Vec3& q, const Vec3& direction) {
-  const Pose here = pose.at(q);
-  return (here.place - q).dot(direction) + reach(tool, here.rotation.transpose() * direction);
+double reach_at(const RigidTool& tool, const Pose& pose, const Vec3& q, const Vec3& direction) {
+  return (pose.place - q).dot(direction) + reach(tool, pose.rotation.transpose() * direction);
+}
+
+std::optional<Vec3> torque_of(const RigidTool& tool, const Vec3& q, const Vec3& h) {
+  return motion_kind(tool.motion).torque(tool.motion_numbers, q, h);
 }
 
 double usual_thickness(const RigidTool& tool) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,9 +66,13 @@ inline constexpr double kCalibratedDepth = 0.07;
 /// @throws InputError the numbers of its motion are not those of such a motion.
 [[nodiscard]] PoseMapPtr pose_of(const RigidTool& tool);
 
-/// How far the tool at q reaches from q in a direction of unit length, as it is turned there, m.
-[[nodiscard]] double reach_at(const RigidTool& tool, const PoseMap& pose, const Vec3& q,
+/// How far the tool reaches from its coordinates q in a direction of unit length, m.
+/// @param pose Its pose at q.
+[[nodiscard]] double reach_at(const RigidTool& tool, const Pose& pose, const Vec3& q,
                               const Vec3& direction);
+
+/// MotionKind::torque() of the tool's motion.
+[[nodiscard]] std::optional<Vec3> torque_of(const RigidTool& tool, const Vec3& q, const Vec3& h);
 
 /// The thickness of contact where it is not given, m.
 [[nodiscard]] double usual_thickness(const RigidTool& tool);

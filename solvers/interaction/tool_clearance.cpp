@@ -188,8 +188,7 @@ Vec3 ToolClearance::start_for(const Vec3& q) const {
 }
 
 std::optional<Vec3> ToolClearance::find_start(const Vec3& q) const {
-  if (!q.allFinite()) return {};
-  if (!allows(q)) return {};
+  if (!q.allFinite() || !allows(q)) return {};
   if (clearance(q) > 0) return q;
   if (!is_large_) {
     const Vec3 out = approach(q).out;

@@ -19,9 +19,7 @@ constexpr double kTurn = M_PI / 6;
 /// Farther from b a bound on how the tool turns is of no use, rad.
 constexpr double kFarthest = 0.75 * M_PI;
 
-std::string shortest_degrees(double radians) {
-  return std::to_string(static_cast<int>(std::lround(radians * 180 / M_PI)));
-}
+std::string in_degrees(double radians) { return quantity(radians * 180 / M_PI, "degrees"); }
 
 /// The least rotation from b to a.
 class LeastRotation {
@@ -119,10 +117,9 @@ class TrocarPose final : public PoseMap {
                        ". Move the trocar (TrocarPoint) to the other side of the tip.");
     }
     if (!(tilt(way) <= trocar_.tilt)) {
-      throw InputError(where + shortest_degrees(tilt(way)) +
-                       " degrees aside of the way from the body to " + trocar +
-                       ", and MaximumTilt is " + shortest_degrees(trocar_.tilt) +
-                       " degrees. Move the trocar (TrocarPoint), or allow more.");
+      throw InputError(where + in_degrees(tilt(way)) + " aside of the way from the body to " +
+                       trocar + ", and MaximumTilt is " + in_degrees(trocar_.tilt) +
+                       ". Move the trocar (TrocarPoint), or allow more.");
     }
     if (is_too_deep(way)) {
       throw InputError(where + quantity(way.norm(), "m") + " from " + trocar +
@@ -201,7 +198,7 @@ Trocar Trocar::from(const std::vector<double>& numbers) {
 
 std::string description(const Trocar& trocar) {
   return "through the trocar at " + quantity(trocar.place, "m") + ", tilted by at most " +
-         shortest_degrees(trocar.tilt) + " degrees" +
+         in_degrees(trocar.tilt) +
          (trocar.depth > 0 ? ", at most " + quantity(trocar.depth, "m") + " deep" : "");
 }
 

@@ -192,9 +192,8 @@ std::int64_t checksum(const ToolSpace& space, Checked checked) {
   std::vector<std::int64_t> bits = bits_of(space.setup.body);
   for_each_number_of_tool_space(space, Gather{bits}, checked);
   // A tool without an offset was stored by a version that had none.
-  const double offset = space.setup.interaction.tool.law.offset;
-  if (offset != 0) Gather{bits}(offset);
   const RigidTool& tool = space.setup.interaction.tool;
+  if (tool.law.offset != 0) Gather{bits}(tool.law.offset);
   if (tool.motion != ToolMotion::translated) {
     bits.push_back(static_cast<std::int64_t>(tool.motion));
     for (const double number : tool.motion_numbers) Gather{bits}(number);

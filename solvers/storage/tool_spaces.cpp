@@ -86,10 +86,10 @@ void ToolSpaces::write(const ToolSpace& space) {
   rows::for_each_number_of_tool_space(space, rows::Bind{insert});
   insert.bind(rows::checksum(space));
   insert.run();
-  if (const double offset = space.setup.interaction.tool.law.offset; offset != 0) {
-    write_optional(kContactOffset, key, [&](Statement& row) { row.bind(offset); });
-  }
   const RigidTool& tool = space.setup.interaction.tool;
+  if (tool.law.offset != 0) {
+    write_optional(kContactOffset, key, [&](Statement& row) { row.bind(tool.law.offset); });
+  }
   if (tool.motion != ToolMotion::translated) {
     write_optional(kToolMotion, key, [&](Statement& row) {
       const rows::Bind bind{row};

@@ -63,7 +63,6 @@
 #include "exploration/precompute.h"
 #include "exploration/transfer.h"
 #include "following/follow_session.h"
-#include "interaction/motion_kind.h"
 #include "interaction/trocar_pose.h"
 #include "interpolation/error_estimate.h"
 #include "interpolation/passivity_figures.h"
@@ -505,18 +504,14 @@ void make_rod(const Arguments& arguments, const Scene& scene, RigidTool& tool) {
 
 /// How wrong the torque about the trocar is, beside the largest one.
 void print_torques(const RigidTool& tool, const std::vector<Test>& tests) {
-  const MotionKind& kind = motion_kind(tool.motion);
-  const auto torque = [&](const Vec3& q, const Vec3& h) {
-    return kind.torque(tool.motion_numbers, q, h);
-  };
-  if (!torque(Vec3::Zero(), Vec3::Zero())) return;
+  if (!torque_of(tool, Vec3::Zero(), Vec3::Zero())) return;
   std::vector<double> errors;
   double largest = 0;
   for (const Test& test : tests) {
     if (test.outcome != Outcome::converged) continue;
-    const Vec3 exact = *torque(test.place, test.exact);
+    const Vec3 exact = *torque_of(tool, test.place, test.exact);
     largest = std::max(largest, exact.norm());
-    errors.push_back((exact - *torque(test.place, test.interpolated)).norm());
+    errors.push_back((exact - *torque_of(tool, test.place, test.interpolated)).norm());
   }
   std::printf(
       "\nLargest torque %.4f N m\n\n| error of the torque, %% of it | tests | rms | median | "

@@ -139,6 +139,21 @@ class StateSpaceFileTest : public testing::Test {
     });
     file.close();
   }
+  /// A tool space of a rigid tool.
+  [[nodiscard]] static ToolSpaceSetup of_tool(const RigidTool& tool) {
+    ToolSpaceSetup setup;
+    setup.id = kContactToolSpace;
+    setup.interaction = rigid_contact_spec(tool);
+    setup.grid = {0.08, 17, 2, Vec3::Zero(), true};
+    return setup;
+  }
+  /// A file with a tool space that has no configurations.
+  [[nodiscard]] fs::path create_empty(const char* name, const ToolSpaceSetup& setup) const {
+    StateSpaceFile file = StateSpaceFile::create(folder_ / name, scene_, kTolerance);
+    file.add_tool_space(setup);
+    file.close();
+    return folder_ / name;
+  }
   [[nodiscard]] std::vector<std::string> files() const {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder_)) {
@@ -328,17 +343,12 @@ TEST_F(StateSpaceFileTest, KeepsTheSpaceOfARigidTool) {
 // Without an offset a file is as it was before there were any.
 TEST_F(StateSpaceFileTest, TheOffsetOfALayerIsKeptAndChecked) {
   ToolSpaceSetup setup;
-  setup.id = kContactToolSpace;
   RigidTool tool;
   tool.radius = 0.01;
-  setup.grid = {0.08, 17, 2, Vec3::Zero(), true};
   const auto add = [&](const char* name, double offset) {
     tool.law = {0.002, 1e4, offset};
-    setup.interaction = rigid_contact_spec(tool);
-    StateSpaceFile file = StateSpaceFile::create(folder_ / name, scene_, kTolerance);
-    file.add_tool_space(setup);
-    file.close();
-    return folder_ / name;
+    setup = of_tool(tool);
+    return create_empty(name, setup);
   };
   const std::string tables = "SELECT count(*) FROM sqlite_master WHERE name = 'contact_offset'";
   const fs::path without = add("without.palpate", 0);
@@ -355,24 +365,15 @@ TEST_F(StateSpaceFileTest, TheOffsetOfALayerIsKeptAndChecked) {
 
 // A translated tool leaves a file as it was before there were others.
 TEST_F(StateSpaceFileTest, TheMotionOfAToolIsKeptAndChecked) {
-  ToolSpaceSetup setup;
-  setup.id = kContactToolSpace;
-  setup.grid = {0.08, 17, 2, Vec3::Zero(), true};
   RigidTool tool;
   tool.radius = 0.01;
-  const auto add = [&](const char* name) {
-    setup.interaction = rigid_contact_spec(tool);
-    StateSpaceFile file = StateSpaceFile::create(folder_ / name, scene_, kTolerance);
-    file.add_tool_space(setup);
-    file.close();
-    return folder_ / name;
-  };
   const std::string tables = "SELECT count(*) FROM sqlite_master WHERE name = 'tool_motion'";
-  const fs::path translated = add("translated.palpate");
+  const fs::path translated = create_empty("translated.palpate", of_tool(tool));
   EXPECT_EQ(sqlite::Database(translated, sqlite::Access::read_only).integer(tables), 0);
   tool.motion = ToolMotion::trocar;
   tool.motion_numbers = Trocar{Vec3(0, 0, 0.2)}.numbers();
-  const fs::path turned = add("turned.palpate");
+  const ToolSpaceSetup setup = of_tool(tool);
+  const fs::path turned = create_empty("turned.palpate", setup);
   EXPECT_TRUE(StateSpaceFile::open_read_only(turned).read_tool_spaces().at(0).setup == setup);
   for (const char* change : {"DELETE FROM tool_motion", "UPDATE tool_motion SET motion = 7",
                              "UPDATE tool_motion SET numbers = zeroblob(112)",
@@ -387,14 +388,11 @@ TEST_F(StateSpaceFileTest, TheMotionOfAToolIsKeptAndChecked) {
 }
 
 TEST_F(StateSpaceFileTest, KeepsAToolWhoseSurfaceIsFinerThanTheBody) {
-  ToolSpaceSetup setup;
-  setup.id = kContactToolSpace;
   RigidTool tool;
   tool.shape = ToolShape::surface;
   tool.points.assign(50000, Vec3(0.01, 0.02, 0.03));
   tool.triangles.assign(100000, {0, 1, 2});
-  setup.interaction = rigid_contact_spec(tool);
-  setup.grid = {0.08, 17, 2, Vec3::Zero(), true};
+  ToolSpaceSetup setup = of_tool(tool);
   {
     StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
     file.add_tool_space(setup);
