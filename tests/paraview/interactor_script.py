@@ -356,17 +356,42 @@ def blade():
 def cut_in_view(boundary, make_space):
     """A block that is touched by mouse is cut along a plane that nobody has foreseen."""
     space = make_space(boundary)
-    plane = Plane(Origin=[-0.02, -0.02, HEIGHT], Point1=[DEPTH, -0.02, HEIGHT],
+    plane_to(DEPTH)
+    view = look_at_block(space)
+    choose_last_sheet()
+    return space, view
+
+
+def plane_to(depth):
+    plane = Plane(Origin=[-0.02, -0.02, HEIGHT], Point1=[depth, -0.02, HEIGHT],
                   Point2=[-0.02, 0.08, HEIGHT])
     plane.UpdatePipeline()
-    view = look_at_block(space)
+    return plane
+
+
+def choose_last_sheet():
     assert part("sheet").count() > 0
     part("sheet").setCurrentIndex(part("sheet").count() - 1)
-    return space, view
 
 
 def has_cut(space):
     return servermanager.Fetch(space.Input).GetFieldData().HasArray("StageArea")
+
+
+def refuse_to_sever(space):
+    """A plane through the whole block falls a part off: the touch goes on without it."""
+    input_, file_name = space.Input, space.FileName
+    sources = list(GetSources())
+    severing = plane_to(0.2)
+    wait_for(lambda: part("sheet").count() == 2, "a sheet that is made meanwhile is listed")
+    choose_last_sheet()
+    QTest.mouseClick(part("cutNow"), Button.LeftButton)
+    message = part("message").text()
+    assert runs() and "cannot be cut there" in message, message
+    assert space.Input == input_ and space.FileName == file_name
+    Delete(severing)
+    assert list(GetSources()) == sources, GetSources()
+    choose_last_sheet()
 
 
 def cuts():
@@ -379,6 +404,8 @@ def cuts():
     wait_for(lambda: touches() and number("force") > 0.05, "the mouse pulls")
     wait(0.5)
     before, node = number("force"), list(space.ActiveNodes)[0]
+    refuse_to_sever(space)
+    assert touches() and number("force") == before, "what could not be cut is held as it was"
     begun = time.monotonic()
     QTest.mouseClick(part("cutNow"), Button.LeftButton)
     print("cut", time.monotonic() - begun)

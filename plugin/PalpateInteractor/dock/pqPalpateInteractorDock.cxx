@@ -46,6 +46,13 @@ QString IdOf(pqOutputPort* port)
 {
   return QString("%1:%2").arg(port->getSourceProxy()->GetGlobalID()).arg(port->getPortNumber());
 }
+
+/// Whether a body can be cut along what a port gives. What shows the touched body is no sheet.
+bool CanBeSheet(pqOutputPort* port)
+{
+  return port->getSourceProxy()->GetXMLName() != std::string("TouchStateSpace") &&
+    port->getDataInformation()->DataSetTypeIsA("vtkPolyData");
+}
 }
 
 pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
@@ -140,13 +147,22 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
   const auto list = [this] { this->guard([this] { this->listSpaces(); }); };
   QObject::connect(model, &pqServerManagerModel::sourceRemoved, this, list);
-  // While one touches, the touched body is updated each frame, which needs no new list.
   QObject::connect(model, &pqServerManagerModel::dataUpdated, this,
-    [this, list]
+    [this, list](pqPipelineSource* source)
     {
       if (!this->isTouching())
       {
         list();
+        return;
+      }
+      // While one touches, the touched body is updated each frame, and what hangs on it. This needs
+      // no new list, but a sheet that is made meanwhile does.
+      for (pqOutputPort* port : source->getOutputPorts())
+      {
+        if (CanBeSheet(port) && this->Sheet->findData(IdOf(port)) < 0)
+        {
+          this->guard([this] { this->listSheets(); });
+        }
       }
     });
   // The connection is queued: where touching ended because the server is gone, ParaView first has
@@ -203,11 +219,9 @@ void pqPalpateInteractorDock::listSheets()
   pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
   for (pqPipelineSource* source : model->findItems<pqPipelineSource*>())
   {
-    // What shows the touched body is no sheet.
-    const bool isTouched = source->getProxy()->GetXMLName() == std::string("TouchStateSpace");
     for (pqOutputPort* port : source->getOutputPorts())
     {
-      if (!isTouched && port->getDataInformation()->DataSetTypeIsA("vtkPolyData"))
+      if (CanBeSheet(port))
       {
         this->Sheet->addItem(source->getSMName(), IdOf(port));
       }
