@@ -350,9 +350,8 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
 
 void EquilibriumSolver::Impl::add_third_derivative(Equilibrium& state) {
   if (!options_.third_derivatives || state.outcome != Outcome::converged) return;
-  if (system_.num_coordinates() != 3) return;
   if ((state.flags & flags::touches_nothing) != 0) {
-    state.third_derivative.setZero(10);
+    state.third_derivative.setZero(num_third_derivatives(system_.num_coordinates()));
     return;
   }
   state.third_derivative = third_derivative(system_, state);

@@ -81,7 +81,7 @@ struct Summary {
 /// An equilibrium of the body. If the solve did not converge, this is the last equilibrium that it
 /// reached, so that every member of LinearisedState belongs to `t`.
 struct Equilibrium : LinearisedState {
-  /// ∂³Π/∂t³ [10], N/m², see third_derivative.h; empty if d is not 3, if the solve did not
+  /// ∂³Π/∂t³ [num_third_derivatives(d)], N/m², see third_derivative.h; empty if the solve did not
   /// converge, or if it was not asked for.
   Eigen::VectorXd third_derivative;
   Outcome outcome = Outcome::not_converged;

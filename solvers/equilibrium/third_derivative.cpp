@@ -2,10 +2,10 @@
 #include "equilibrium/third_derivative.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "equilibrium/linearisation.h"
 
@@ -22,14 +22,8 @@ constexpr double kLongestStep = 1e-3;
 /// A step is halved at most this often if one of its ends inverts a cell.
 constexpr int kMaxHalvings = 12;
 
-/// The axes of each component of T.
-constexpr int kAxes[10][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 1, 1}, {0, 1, 2},
-                              {0, 2, 2}, {1, 1, 1}, {1, 1, 2}, {1, 2, 2}, {2, 2, 2}};
-
-/// D²r[v_a, v_b] · v_c for each pair of axes.
-struct SecondDifferences {
-  Vec3 of[3][3];
-};
+/// D²r[v_a, v_b] for each pair of coordinates, a ≥ b [d].
+using SecondDifferences = std::vector<std::vector<Eigen::VectorXd>>;
 
 /// An estimate of the largest strain of the columns of v per unit of t, 1/m, from lines between the
 /// nodes of each cell.
@@ -41,10 +35,11 @@ double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
     for (int i = 0; i < nodes; ++i) {
       const Index p = cell[i];
       const Index q = cell[(i + 1) % nodes];
-      const Mat3 change =
-          v.middleRows<3>(3 * Eigen::Index{p}) - v.middleRows<3>(3 * Eigen::Index{q});
-      largest_square = std::max(
-          largest_square, change.squaredNorm() / (mesh.points[p] - mesh.points[q]).squaredNorm());
+      const double change =
+          (v.middleRows<3>(3 * Eigen::Index{p}) - v.middleRows<3>(3 * Eigen::Index{q}))
+              .squaredNorm();
+      largest_square =
+          std::max(largest_square, change / (mesh.points[p] - mesh.points[q]).squaredNorm());
     }
   }
   return std::sqrt(largest_square);
@@ -54,23 +49,27 @@ double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
 std::optional<SecondDifferences> differences(CondensedSystem& system, const Eigen::VectorXd& t,
                                              const NodalVector& x, const Eigen::MatrixXd& v,
                                              double step) {
+  const Eigen::Index d = v.cols();
   bool defined = true;
-  const auto force_at = [&](const Vec3& way) -> Vec3 {
+  const auto force_at = [&](const Eigen::VectorXd& way) -> Eigen::VectorXd {
     const Evaluation at = system.evaluate(t + way, x + v * way);
     defined = defined && at.is_finite();
     return v.transpose() * at.force + at.of_coordinates;
   };
-  const Vec3 middle = force_at(Vec3::Zero());
-  const auto along = [&](const Vec3& way) -> Vec3 {
+  const Eigen::VectorXd middle = force_at(Eigen::VectorXd::Zero(d));
+  const auto along = [&](const Eigen::VectorXd& way) -> Eigen::VectorXd {
     return (force_at(step * way) + force_at(-step * way) - 2 * middle) / (step * step);
   };
-  SecondDifferences second;
-  for (int a = 0; a < 3; ++a) second.of[a][a] = along(Vec3::Unit(a));
-  for (int a = 0; a < 3; ++a) {
-    for (int b = 0; b < a; ++b) {
-      const Vec3 both = along(Vec3::Unit(a) + Vec3::Unit(b));
-      second.of[a][b] = 0.5 * (both - second.of[a][a] - second.of[b][b]);
-      second.of[b][a] = second.of[a][b];
+  SecondDifferences second(static_cast<std::size_t>(d));
+  for (Eigen::Index a = 0; a < d; ++a) {
+    for (Eigen::Index b = 0; b < a; ++b) {
+      second[a].push_back(along(Eigen::VectorXd::Unit(d, a) + Eigen::VectorXd::Unit(d, b)));
+    }
+    second[a].push_back(along(Eigen::VectorXd::Unit(d, a)));
+  }
+  for (Eigen::Index a = 0; a < d; ++a) {
+    for (Eigen::Index b = 0; b < a; ++b) {
+      second[a][b] = 0.5 * (second[a][b] - second[a][a] - second[b][b]);
     }
   }
   if (!defined) return std::nullopt;
@@ -80,8 +79,8 @@ std::optional<SecondDifferences> differences(CondensedSystem& system, const Eige
 }  // namespace
 
 Eigen::VectorXd third_derivative(CondensedSystem& system, const Equilibrium& equilibrium) {
-  assert(system.num_coordinates() == 3);
-  Eigen::VectorXd t = Eigen::VectorXd::Zero(10);
+  const Eigen::Index d = system.num_coordinates();
+  Eigen::VectorXd t = Eigen::VectorXd::Zero(num_third_derivatives(d));
   if (system.is_linear() || equilibrium.v.isZero(0)) return t;
   const NodalVector x = system.vector_of(equilibrium);
   const Eigen::MatrixXd v = system.sensitivity_of(equilibrium);
@@ -92,10 +91,16 @@ Eigen::VectorXd third_derivative(CondensedSystem& system, const Equilibrium& equ
     step *= 0.5;
     second = differences(system, equilibrium.t, x, v, step);
   }
-  if (!second) return Eigen::VectorXd::Constant(10, std::numeric_limits<double>::quiet_NaN());
-  for (int i = 0; i < 10; ++i) {
-    const auto& [a, b, c] = kAxes[i];
-    t[i] = (second->of[a][b][c] + second->of[b][c][a] + second->of[c][a][b]) / 3;
+  if (!second) {
+    return Eigen::VectorXd::Constant(t.size(), std::numeric_limits<double>::quiet_NaN());
+  }
+  Eigen::Index next = 0;
+  for (Eigen::Index a = 0; a < d; ++a) {
+    for (Eigen::Index b = a; b < d; ++b) {
+      for (Eigen::Index c = b; c < d; ++c) {
+        t[next++] = ((*second)[b][a][c] + (*second)[c][b][a] + (*second)[c][a][b]) / 3;
+      }
+    }
   }
   return t;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The third derivative of the energy at equilibrium with respect to the three coordinates t of a
-// tool, T = d³Π/dt³. With x(t) the state, v = dx/dt and r = dΠ(x + v t, t)/dt, by the 2n+1 theorem
-// (Wigner)
+// The third derivative of the energy at equilibrium with respect to the coordinates t of a tool, T
+// = d³Π/dt³. With x(t) the state, v = dx/dt and r = dΠ(x + v t, t)/dt, by the 2n+1 theorem (Wigner)
 //
 //   T_abc = D²r_c[e_a, e_b]
 //
@@ -19,10 +18,15 @@
 
 namespace palpate {
 
-/// T at an equilibrium with its sensitivity, in the order xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz,
-/// yzz, zzz [10], N/m². It takes 13 residuals; none in a linear body, where T is zero. The relative
-/// error of T is three times that of v.
-/// @param system Its tool has three coordinates.
+/// The number of components of T: one for each triple of d coordinates a ≤ b ≤ c.
+[[nodiscard]] inline Eigen::Index num_third_derivatives(Eigen::Index d) {
+  return d * (d + 1) * (d + 2) / 6;
+}
+
+/// T at an equilibrium with its sensitivity, N/m². Its components are those of the triples a ≤ b ≤
+/// c in ascending order, c fastest; for a tool with three coordinates xxx, xxy, xxz, xyy, xyz, xzz,
+/// yyy, yyz, yzz, zzz [10]. It takes d² + d + 1 residuals; none in a linear body, where T is zero.
+/// The relative error of T is three times that of v.
 /// @returns NaN: the residual is not defined on either side, however small the step.
 [[nodiscard]] Eigen::VectorXd third_derivative(CondensedSystem& system,
                                                const Equilibrium& equilibrium);

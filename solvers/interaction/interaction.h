@@ -81,6 +81,9 @@ class Interaction {
 
   /// d, at least 1.
   [[nodiscard]] virtual Index num_coordinates() const = 0;
+  /// The coordinates of a tool that has a place, at that place [3], m: as it is turned there when
+  /// nobody says how.
+  [[nodiscard]] virtual Eigen::VectorXd coordinates(const Vec3& place) const { return place; }
   /// The points of the body that the tool prescribes, no point twice.
   [[nodiscard]] virtual std::vector<PrescribedPoint> prescribed_points() const { return {}; }
   /// The scale of the body's displacements when the tool is at q, m: errors are judged against it.

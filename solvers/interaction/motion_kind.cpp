@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "interaction/kind_list.h"
 #include "interaction/trocar_pose.h"
+#include "interaction/turned_pose.h"
 
 namespace palpate {
 namespace {
@@ -52,16 +53,35 @@ class TrocarKind final : public MotionKind {
     const Vec3 way = Eigen::Map<const Vec3>(numbers.data()) - middle / std::max(count, 1.0);
     towards = way.isZero() ? Vec3(Vec3::UnitZ()) : Vec3(way.normalized());
   }
-  [[nodiscard]] std::optional<Vec3> torque(const std::vector<double>& numbers, const Vec3& q,
-                                           const Vec3& h) const override {
-    return Vec3((q - Trocar::from(numbers).place).cross(h));
+  [[nodiscard]] std::optional<Vec3> torque(const std::vector<double>& numbers,
+                                           const Eigen::VectorXd& q,
+                                           const Eigen::VectorXd& h) const override {
+    return Vec3((Vec3(q) - Trocar::from(numbers).place).cross(Vec3(h)));
+  }
+};
+
+class TurnedKind final : public MotionKind {
+ public:
+  TurnedKind() = default;
+  [[nodiscard]] ToolMotion number() const override { return ToolMotion::turned; }
+  [[nodiscard]] PoseMapPtr make(const std::vector<double>& numbers) const override {
+    return turned_pose(Turning::from(numbers));
+  }
+  [[nodiscard]] std::string description(const std::vector<double>& numbers) const override {
+    return palpate::description(Turning::from(numbers));
+  }
+  [[nodiscard]] std::optional<Vec3> torque(const std::vector<double>& numbers,
+                                           const Eigen::VectorXd& q,
+                                           const Eigen::VectorXd& h) const override {
+    return Turning::from(numbers).torque(q, h);
   }
 };
 
 KindList<MotionKind>& kinds_of_motions() {
   static KindList<MotionKind> all("a motion of a tool", "A rigid tool has the unknown motion",
                                   std::make_unique<const TranslatedKind>(),
-                                  std::make_unique<const TrocarKind>());
+                                  std::make_unique<const TrocarKind>(),
+                                  std::make_unique<const TurnedKind>());
   return all;
 }
 

@@ -31,10 +31,12 @@ class MotionKind {
   /// Fills in numbers that were left open, for a body.
   /// @throws InputError the motion does not suit the body.
   virtual void complete(const Scene& /*scene*/, std::vector<double>& /*numbers*/) const {}
-  /// The torque of a force h along the coordinates q that are lengths, about the point around which
-  /// the tool turns [3], N·m; nothing: it does not turn.
+  /// The torque of a tool about the point around which it turns [3], N·m; nothing: it does not
+  /// turn.
+  /// @param q,h Its coordinates and ∂Π/∂q [d].
   [[nodiscard]] virtual std::optional<Vec3> torque(const std::vector<double>& /*numbers*/,
-                                                   const Vec3& /*q*/, const Vec3& /*h*/) const {
+                                                   const Eigen::VectorXd& /*q*/,
+                                                   const Eigen::VectorXd& /*h*/) const {
     return {};
   }
 

@@ -87,6 +87,8 @@ class PoseMap {
     const PoseJet jet = evaluate(q, 0);
     return {jet.place, jet.rotation};
   }
+  /// The coordinates of the tool at a place, as it is turned there when nobody says how, m.
+  [[nodiscard]] virtual Eigen::VectorXd coordinates(const Vec3& place) const { return place; }
   /// Whether the tool may be at q. Where it may be is convex. Elsewhere a pose need not be right.
   [[nodiscard]] virtual bool allows(const Eigen::VectorXd& /*q*/) const { return true; }
   /// @throws InputError the tool may not be at q. The message says what to do.

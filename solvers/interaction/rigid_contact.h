@@ -48,6 +48,9 @@ class RigidContact final : public Interaction {
 
   [[nodiscard]] std::unique_ptr<Interaction> clone() const override;
   [[nodiscard]] Index num_coordinates() const override { return pose_->num_coordinates(); }
+  [[nodiscard]] Eigen::VectorXd coordinates(const Vec3& place) const override {
+    return pose_->coordinates(place);
+  }
   [[nodiscard]] double displacement_scale(const Eigen::VectorXd& q) const override;
   [[nodiscard]] std::string describe(const Eigen::VectorXd& q) const override;
   [[nodiscard]] double longest_step() const override { return longest_step_; }

@@ -94,7 +94,8 @@ double reach_at(const RigidTool& tool, const Pose& pose, const Vec3& q, const Ve
   return (pose.place - q).dot(direction) + reach(tool, pose.rotation.transpose() * direction);
 }
 
-std::optional<Vec3> torque_of(const RigidTool& tool, const Vec3& q, const Vec3& h) {
+std::optional<Vec3> torque_of(const RigidTool& tool, const Eigen::VectorXd& q,
+                              const Eigen::VectorXd& h) {
   return motion_kind(tool.motion).torque(tool.motion_numbers, q, h);
 }
 

@@ -16,7 +16,7 @@ namespace palpate {
 
 /// The numbers are stored in files: do not change them.
 enum class ToolShape : std::int32_t { sphere = 0, capsule = 1, surface = 2 };
-enum class ToolMotion : std::int32_t { translated = 0, trocar = 1 };
+enum class ToolMotion : std::int32_t { translated = 0, trocar = 1, turned = 2 };
 
 struct RigidTool {
   ToolShape shape = ToolShape::sphere;
@@ -72,7 +72,8 @@ inline constexpr double kCalibratedDepth = 0.07;
                               const Vec3& direction);
 
 /// MotionKind::torque() of the tool's motion.
-[[nodiscard]] std::optional<Vec3> torque_of(const RigidTool& tool, const Vec3& q, const Vec3& h);
+[[nodiscard]] std::optional<Vec3> torque_of(const RigidTool& tool, const Eigen::VectorXd& q,
+                                            const Eigen::VectorXd& h);
 
 /// The thickness of contact where it is not given, m.
 [[nodiscard]] double usual_thickness(const RigidTool& tool);

@@ -46,7 +46,7 @@ ToolClearance::ToolClearance(const Body& body, const SettledBody& at_rest,
   for (const Index p : tree_.order()) in_order.push_back(points_[static_cast<std::size_t>(p)]);
   points_ = std::move(in_order);
   // A motion by other coordinates is refused here.
-  (void)pose_->stretch(body_.bounds().center(), shape_->bounds());
+  (void)stretch_at(body_.bounds().center());
 }
 
 ToolClearance::Deepest ToolClearance::deepest_of_body(const Pose& pose) const {
@@ -66,23 +66,23 @@ ToolClearance::Deepest ToolClearance::deepest_of_body(const Pose& pose) const {
 }
 
 double ToolClearance::clearance(const Vec3& q) const {
-  const Pose pose = pose_->at(q);
+  const Pose pose = pose_at(q);
   const double of_layer = deepest_of_body(pose).gap - margin_;
   // A tool that touches nothing may still be within the body. It counts as within as long as its
   // centre is.
   const double of_centre = body_.nearest(pose.place).distance;
   const double clear = of_centre < 0 ? std::min(of_layer, of_centre) : of_layer;
-  const PoseMap::Stretch stretch = pose_->stretch(q, shape_->bounds());
+  const PoseMap::Stretch stretch = stretch_at(q);
   return clear > 0 ? std::min(clear / stretch.most, stretch.within) : clear;
 }
 
 double ToolClearance::farthest_way(const Vec3& q, double way) const {
-  const PoseMap::Stretch stretch = pose_->stretch(q, shape_->bounds());
+  const PoseMap::Stretch stretch = stretch_at(q);
   return way <= stretch.within ? stretch.most * way : std::numeric_limits<double>::infinity();
 }
 
 bool ToolClearance::is_inside(const Vec3& q) const {
-  const Pose pose = pose_->at(q);
+  const Pose pose = pose_at(q);
   const std::vector<Vec3> places = shape_->inner_places();
   return std::any_of(places.begin(), places.end(), [&](const Vec3& place) {
     return body_.nearest(pose.in_scene(place)).distance < 0;
@@ -93,7 +93,7 @@ ToolClearance::Approach ToolClearance::approach(const Vec3& q) const {
   Approach deepest;
   deepest.depth = -std::numeric_limits<double>::infinity();
   Index hint = -1;
-  const Pose pose = pose_->at(q);
+  const Pose pose = pose_at(q);
   for (const RigidShape::Ball& ball : balls_) {
     const Vec3 centre = pose.in_scene(ball.centre);
     const SurfaceTree::Nearest nearest = body_.nearest(centre, hint);
@@ -138,7 +138,7 @@ std::vector<Vec3> ToolClearance::directions_out(const Vec3& q) const {
     for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * Vec3::Unit(k));
   }
   // For a plate, add the two directions across it, whichever way it lies.
-  const Vec3 across = gap_gradient(body_.bounds().center(), pose_->at(q));
+  const Vec3 across = gap_gradient(body_.bounds().center(), pose_at(q));
   if (across.norm() > kUsableGradient) {
     for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * across.normalized());
   }
@@ -163,7 +163,7 @@ Vec3 ToolClearance::pressed(const Vec3& point, const Vec3& normal, double depth)
   // found step by step.
   Vec3 q = point;
   for (int step = 0; step < kMostSteps; ++step) {
-    const Pose pose = pose_->at(q);
+    const Pose pose = pose_at(q);
     const auto reach = [&](const RigidShape::Ball& ball) {
       return ball.radius - (pose.rotation * ball.centre).dot(normal);
     };
@@ -181,7 +181,7 @@ Vec3 ToolClearance::pressed(const Vec3& point, const Vec3& normal, double depth)
 
 Vec3 ToolClearance::start_for(const Vec3& q) const {
   if (!q.allFinite()) throw InputError("The place of the tool is not finite.");
-  pose_->check(q);
+  pose_->check(pose_->coordinates(q));
   if (const std::optional<Vec3> start = find_start(q)) return *start;
   throw InputError("No way leads from outside of the body along its normal to " + quantity(q, "m") +
                    ". Choose another place for the tool.");
@@ -220,7 +220,7 @@ Eigen::AlignedBox3d ToolClearance::bounds() const {
     for (int at = 0; at < 27; ++at) {
       const Vec3 share = 0.5 * Vec3(at / 9, at / 3 % 3, at % 3);
       const Vec3 q = body.min() + share.cwiseProduct(body.sizes());
-      const Pose pose = pose_->at(q);
+      const Pose pose = pose_at(q);
       if (!(anywhere || allows(q)) || !pose.rotation.allFinite()) continue;
       for (int corner = 0; corner < 8; ++corner) {
         tool.extend((pose.place - q) + pose.rotation * corner_of(shape_->bounds(), corner));

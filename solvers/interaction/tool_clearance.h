@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tells where a rigid tool is clear of a body at rest, and elsewhere how deep it is in the body and
-// which way leads out.
+// which way leads out. The tool at a place q is turned as PoseMap::coordinates() says.
 //
 // The depth of a tool follows from those of its places that are deepest in the body. For a tool
 // that is larger than the body, such as a plate on which the body lies, it also follows from the
@@ -33,7 +33,7 @@ class ToolClearance {
   /// at rest: nothing is in its layer of contact then. Not positive: the tool may touch the body.
   [[nodiscard]] double clearance(const Vec3& q) const;
   /// Whether the motion of the tool leads to q.
-  [[nodiscard]] bool allows(const Vec3& q) const { return pose_->allows(q); }
+  [[nodiscard]] bool allows(const Vec3& q) const { return pose_->allows(pose_->coordinates(q)); }
   /// The farthest way of a point of the tool as that moves from q by no more than `way`, m.
   [[nodiscard]] double farthest_way(const Vec3& q, double way) const;
   /// Whether the middle of the tool at q, or of a part of it, is in the body at rest. If the tool
@@ -74,6 +74,10 @@ class ToolClearance {
   [[nodiscard]] bool is_large() const { return is_large_; }
 
  private:
+  [[nodiscard]] Pose pose_at(const Vec3& q) const { return pose_->at(pose_->coordinates(q)); }
+  [[nodiscard]] PoseMap::Stretch stretch_at(const Vec3& q) const {
+    return pose_->stretch(pose_->coordinates(q), shape_->bounds());
+  }
   /// The place of the body at rest that is deepest in the tool, or nearest to it.
   struct Deepest {
     /// The signed distance to the tool, m.

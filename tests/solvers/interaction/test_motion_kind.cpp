@@ -13,13 +13,12 @@
 #include "interaction/interaction_spec.h"
 #include "solvers/support/block.h"
 #include "solvers/support/message_of.h"
-#include "solvers/support/turned_pose.h"
 
 namespace palpate::test::test_motion_kind {
 namespace {
 
 constexpr auto kTilted = static_cast<ToolMotion>(100);
-constexpr auto kTurned = static_cast<ToolMotion>(101);
+constexpr auto kTurning = static_cast<ToolMotion>(101);
 
 /// The tool is turned about z by an angle that stays, and moved as it is.
 class TiltedPose final : public PoseMap {
@@ -46,12 +45,25 @@ class TiltedKind final : public MotionKind {
   }
 };
 
-class TurnedKind final : public MotionKind {
+/// The tool turns about z as it moves along x, and does not say how far its points move.
+class TurningPose final : public PoseMap {
  public:
-  TurnedKind() = default;
-  [[nodiscard]] ToolMotion number() const override { return kTurned; }
+  [[nodiscard]] int num_coordinates() const noexcept override { return 3; }
+  [[nodiscard]] PoseJet evaluate(const Eigen::VectorXd& q, int /*order*/) const override {
+    PoseJet pose(3);
+    pose.turns = true;
+    pose.place = q;
+    pose.rotation = Eigen::AngleAxisd(q.x(), Vec3::UnitZ()).toRotationMatrix();
+    return pose;
+  }
+};
+
+class TurningKind final : public MotionKind {
+ public:
+  TurningKind() = default;
+  [[nodiscard]] ToolMotion number() const override { return kTurning; }
   [[nodiscard]] PoseMapPtr make(const std::vector<double>& /*numbers*/) const override {
-    return std::make_shared<const TurnedPose>();
+    return std::make_shared<const TurningPose>();
   }
 };
 
@@ -107,13 +119,13 @@ TEST(MotionKind, AddingOneIsOneClass) {
 }
 
 TEST(MotionKind, OneThatTurnsHasNoWayToABody) {
-  add_motion_kind(std::make_unique<TurnedKind>());
+  add_motion_kind(std::make_unique<TurningKind>());
   const Block block = make_block(Law::neo_hookean);
-  RigidTool turned = make_rod(Vec3::UnitX());
-  turned.motion = kTurned;
-  const InteractionSpec spec = rigid_contact_spec(with_defaults(turned, block.scene));
+  RigidTool turning = make_rod(Vec3::UnitX());
+  turning.motion = kTurning;
+  const InteractionSpec spec = rigid_contact_spec(with_defaults(turning, block.scene));
   InteractionFactory tools(block.scene.body, {});
-  EXPECT_EQ(tools.make(spec)->num_coordinates(), 6);
+  EXPECT_EQ(tools.make(spec)->num_coordinates(), 3);
   EXPECT_NE(message_of([&] { (void)tools.clearance(spec); }).find("turns as it moves"),
             std::string::npos);
 }

@@ -20,6 +20,7 @@
 #include "interaction/rigid_capsule.h"
 #include "interaction/rigid_surface.h"
 #include "interaction/rigid_tool.h"
+#include "interaction/turned_pose.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 #include "solvers/support/box_mesh.h"
@@ -27,7 +28,6 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/solvable.h"
 #include "solvers/support/surfaces.h"
-#include "solvers/support/turned_pose.h"
 
 namespace palpate::test::test_rigid_contact {
 namespace {
@@ -149,7 +149,7 @@ TEST_P(AnyShape, ForcesAndTangentAreDerivativesOfThePotential) {
 TEST_P(AnyShape, ForcesTorquesAndTangentOfATurnedToolAreDerivativesOfThePotential) {
   const Block block = make_block(Law::neo_hookean);
   const RigidContact contact =
-      contact_with(block.scene, shape_of(GetParam()), std::make_shared<const TurnedPose>());
+      contact_with(block.scene, shape_of(GetParam()), turned_pose({}));
   ASSERT_EQ(contact.num_coordinates(), 6);
   Eigen::VectorXd q(6);
   q << above(-0.004), 0.3, -0.5, 0.8;
