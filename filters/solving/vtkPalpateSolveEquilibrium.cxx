@@ -55,15 +55,18 @@ constexpr double StepsOfContact = 3;
 /// A body that may tear is solved for at its stage and at the next one.
 constexpr double BodiesOfTear = 2;
 
-void AddResult(vtkUnstructuredGrid* output, const palpate::Equilibrium& state)
+void AddResult(vtkUnstructuredGrid* output, const vtkPalpateToolRoute& route,
+  const palpate::Equilibrium& state)
 {
   output->GetPointData()->AddArray(vtkPalpateNodalArray(vtkPalpateArray::Displacement, state.u));
   output->GetPointData()->SetActiveVectors(vtkPalpateArray::Displacement);
   output->GetPointData()->SetActiveScalars(vtkPalpateArray::Displacement);
 
-  vtkPalpateAddField<vtkDoubleArray>(output, "ReactionForce", 3, state.reaction);
+  const Eigen::VectorXd force = route.ForceOf(state.reaction);
+  const Eigen::MatrixXd stiffness = state.stiffness.topLeftCorner(force.size(), force.size());
+  vtkPalpateAddField<vtkDoubleArray>(output, "ReactionForce", 3, force);
   vtkPalpateAddField<vtkDoubleArray>(
-    output, "HapticStiffness", static_cast<int>(state.stiffness.size()), state.stiffness);
+    output, "HapticStiffness", static_cast<int>(stiffness.size()), stiffness);
   vtkPalpateAddNumber(output, "Energy", state.energy);
   vtkPalpateAddInteger(output, "Outcome", static_cast<int>(state.outcome));
   vtkPalpateAddInteger(output, "Flags", state.flags);
@@ -292,11 +295,17 @@ std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSol
 vtkPalpateToolRoute vtkPalpateSolveEquilibrium::MakeRoute(
   const palpate::Scene& scene, vtkPolyData* surface) const
 {
-  return this->Tool ? vtkPalpateContactRoute(
-                        scene, this->Tool->Describe(surface), palpate::Vec3(this->ToolPosition))
-                    : vtkPalpateBondedRoute(scene, this->ActiveNodes, this->TipRadius,
-                        Eigen::Map<const Eigen::VectorXd>(this->Displacements.data(),
-                          static_cast<Eigen::Index>(this->Displacements.size())));
+  if (!this->Tool)
+  {
+    return vtkPalpateBondedRoute(scene, this->ActiveNodes, this->TipRadius,
+      Eigen::Map<const Eigen::VectorXd>(
+        this->Displacements.data(), static_cast<Eigen::Index>(this->Displacements.size())));
+  }
+  palpate::RigidTool tool = this->Tool->Describe(surface);
+  palpate::turn(tool,
+    { this->ToolOrientation[0], this->ToolOrientation[1], this->ToolOrientation[2],
+      this->ToolOrientation[3] });
+  return vtkPalpateContactRoute(scene, tool, palpate::Vec3(this->ToolPosition));
 }
 
 void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene,
@@ -314,7 +323,8 @@ void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene,
     vtkPalpateAddField<vtkDoubleArray>(output, "ReactionTorque", 3, *torque);
   }
   const double layerForce =
-    palpate::contact_layer_force(patch.layer_depth, state.reaction, state.stiffness);
+    palpate::contact_layer_force(
+      patch.layer_depth, state.reaction.head<3>(), state.stiffness.topLeftCorner<3, 3>());
   vtkPalpateAddNumber(output, "ContactLayerForce", layerForce);
   const double meshError =
     palpate::expected_mesh_error(scene.body.mesh.order, patch.longest_edge, patch.area);
@@ -338,7 +348,14 @@ void vtkPalpateSolveEquilibrium::AddMeshError(const palpate::Scene& scene,
 {
   const palpate::MeshErrorEstimate estimate =
     palpate::MeshErrorEstimator(scene, solver.assembly()).estimate(state, *route.Tool);
-  vtkPalpateAddField<vtkDoubleArray>(output, "MeshError", 3, estimate.force);
+  vtkPalpateAddField<vtkDoubleArray>(output, "MeshError", 3, route.ForceOf(estimate.force));
+  if (route.Contact)
+  {
+    if (const auto torque = palpate::torque_of(route.Rigid, state.t, estimate.force))
+    {
+      vtkPalpateAddField<vtkDoubleArray>(output, "MeshErrorTorque", 3, *torque);
+    }
+  }
   vtkPalpateAddInteger(output, "MeshErrorReliable", estimate.is_reliable ? 1 : 0);
   AddCells(output, "MeshErrorEnergy", estimate.energy_of_cells);
   if (estimate.is_reliable)
@@ -434,7 +451,7 @@ void vtkPalpateSolveEquilibrium::AddState(const palpate::Scene& scene,
       (perPoint * scene.body.mesh.points.size() +
         perCell * static_cast<std::size_t>(scene.body.mesh.num_cells())),
     "for the deformed body");
-  AddResult(output, state);
+  AddResult(output, route, state);
   vtkPalpateAddInteger(output, "Unknowns", solver.assembly().pattern().size);
   AddCells(output, "MinimumDetF", solver.assembly().minimum_det_f_of_cells(state.u));
   if (this->Stress)
@@ -455,7 +472,7 @@ void vtkPalpateSolveEquilibrium::AddState(const palpate::Scene& scene,
     if (state.v.cols() > 0)
     {
       vtkPalpateAddField<vtkDoubleArray>(
-        output, "PartLayerForce", 3, contact->layer_force(state.u, state.v));
+        output, "PartLayerForce", 3, route.ForceOf(contact->layer_force(state.u, state.v)));
     }
   }
   if (this->EstimateMeshError && state.v.size() > 0)
@@ -487,6 +504,9 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
   os << " m\n"
      << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
      << this->ToolPosition[2] << " m\n"
+     << indent << "ToolOrientation: " << this->ToolOrientation[0] << ' '
+     << this->ToolOrientation[1] << ' ' << this->ToolOrientation[2] << ' '
+     << this->ToolOrientation[3] << '\n'
      << indent << "Increments: " << this->Increments << '\n'
      << indent << "EstimateCondition: " << this->EstimateCondition << '\n'
      << indent << "EstimateMeshError: " << this->EstimateMeshError << '\n'

@@ -83,6 +83,11 @@ public:
   vtkGetVector3Macro(ToolPosition, double);
   ///@}
   ///@{
+  /// How a rigid tool is turned that may be turned: a quaternion w, x, y, z, of any length above 0.
+  vtkSetVector4Macro(ToolOrientation, double);
+  vtkGetVector4Macro(ToolOrientation, double);
+  ///@}
+  ///@{
   /// The way is gone in so many equal parts, at least 1, each from the equilibrium of the one
   /// before; within a part the solver chooses its steps itself.
   vtkSetMacro(Increments, int);
@@ -160,6 +165,7 @@ private:
 
   std::vector<double> Displacements = { 0, 0, 0 };
   double ToolPosition[3] = { 0, 0, 0 };
+  double ToolOrientation[4] = { 1, 0, 0, 0 };
   int Increments = 1;
   bool EstimateCondition = false;
   bool EstimateMeshError = false;

@@ -58,9 +58,9 @@ palpate::Equilibrium Solve(const palpate::Scene& scene, const vtkPalpateToolRout
     if (route.Contact)
     {
       // The tool starts where it is clear of the body as it lies.
-      start = palpate::ToolClearance(
+      start = route.Contact->coordinates(palpate::ToolClearance(
         scene.body, { rest.u, rest.p }, palpate::make_contact(scene.body, route.Rigid))
-                .start_for(route.End);
+                                           .start_for(route.End.head<3>()));
     }
   }
   solver.set_interaction(*route.Tool);
@@ -103,8 +103,9 @@ vtkPalpateToolRoute vtkPalpateContactRoute(
   vtkPalpateToolRoute route;
   route.Rigid = palpate::with_defaults(tool, scene);
   const palpate::RigidContact contact = palpate::make_contact(scene.body, route.Rigid);
-  route.End = place;
-  route.Start = palpate::ToolClearance(scene.body, {}, contact).start_for(route.End);
+  route.End = contact.coordinates(place);
+  route.Start =
+    contact.coordinates(palpate::ToolClearance(scene.body, {}, contact).start_for(place));
   route.Tool = contact.clone();
   route.Contact = static_cast<const palpate::RigidContact*>(route.Tool.get());
   return route;

@@ -20,6 +20,13 @@ struct vtkPalpateToolRoute
   /// The same tool where it is a rigid one, else null, and what it is made of.
   const palpate::RigidContact* Contact = nullptr;
   palpate::RigidTool Rigid;
+
+  /// Of what there is by coordinate the part that is a force, three numbers for each tool: a rigid
+  /// tool that is turned has coordinates besides those of its place.
+  Eigen::VectorXd ForceOf(const Eigen::VectorXd& byCoordinate) const
+  {
+    return this->Contact ? Eigen::VectorXd(byCoordinate.head(3)) : byCoordinate;
+  }
 };
 
 /// Nodes that are moved, each with the patch of its tip.
@@ -28,7 +35,7 @@ struct vtkPalpateToolRoute
 vtkPalpateToolRoute vtkPalpateBondedRoute(const palpate::Scene& scene,
   const std::vector<vtkIdType>& nodes, double tipRadius, const Eigen::VectorXd& displacements);
 
-/// A rigid tool that is brought to a place, m.
+/// A rigid tool that is brought to a place, m. It is turned there before it comes.
 /// @param tool See palpate::with_defaults().
 /// @throws palpate::InputError the tool is not valid, or there is no way to the place.
 vtkPalpateToolRoute vtkPalpateContactRoute(

@@ -63,9 +63,10 @@ std::string KeyOf(const palpate::Scene& scene, const palpate::PrecomputeOptions&
   key.add(options.ranks_per_solve);
   if (options.contact)
   {
-    const auto& [tool, spacing, shell, most] = *options.contact;
+    const auto& [tool, spacing, shell, turnSpacing, most] = *options.contact;
     key.add(tool.shape).add(tool.radius).add(tool.axis).add(tool.length);
-    key.add(tool.points).add(tool.triangles);
+    key.add(tool.points).add(tool.triangles).add(tool.motion).add(tool.motion_numbers);
+    key.add(turnSpacing);
     key.add(tool.law.thickness).add(tool.law.stiffness).add(tool.law.offset);
     key.add(spacing).add(shell.depth).add(shell.begin_at).add(most);
     // A function may be evaluated anywhere, so that its values at some places do not tell it from
@@ -260,6 +261,7 @@ palpate::ContactOptions vtkPalpatePrecomputeStateSpace::Contact(vtkPolyData* sur
   palpate::ContactOptions contact;
   contact.tool = this->Tool->Describe(surface);
   contact.spacing = this->Spacing;
+  contact.turn_spacing = this->TurnSpacing * M_PI / 180;
   contact.shell.depth = this->Depth;
   contact.shell.begin_at = palpate::Vec3(this->BeginAt);
   contact.most_configurations = this->MaximumConfigurations;
@@ -728,6 +730,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "ToolRegion: " << this->ToolRegion.Get() << '\n'
      << indent << "Depth: " << this->Depth << '\n'
      << indent << "Spacing: " << this->Spacing << '\n'
+     << indent << "TurnSpacing: " << this->TurnSpacing << " degrees\n"
      << indent << "BeginAt: " << this->BeginAt[0] << ' ' << this->BeginAt[1] << ' '
      << this->BeginAt[2] << '\n'
      << indent << "MaximumConfigurations: " << this->MaximumConfigurations << '\n'

@@ -121,6 +121,12 @@ public:
   vtkGetMacro(Spacing, double);
   ///@}
   ///@{
+  /// The step of the orientations of a tool that is turned at most, degrees; 0:
+  /// palpate::kUsualTurnSpacing.
+  vtkSetMacro(TurnSpacing, double);
+  vtkGetMacro(TurnSpacing, double);
+  ///@}
+  ///@{
   /// Where the exploration of a rigid tool's space begins, m: the places of the surface near it
   /// come first. The result does not depend on it.
   vtkSetVector3Macro(BeginAt, double);
@@ -318,6 +324,7 @@ private:
   vtkSmartPointer<vtkImplicitFunction> ToolRegion;
   double Depth = 0.005;
   double Spacing = 0;
+  double TurnSpacing = 0;
   double BeginAt[3] = { 0, 0, 0 };
   int MaximumConfigurations = 30000;
   double HalfWidth = 0.01;

@@ -3,6 +3,7 @@
 #include "vtkPalpateStateSpace.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 #include <utility>
@@ -168,7 +169,7 @@ void ReadOutcomes(vtkPointData* arrays, std::vector<Item>& all)
 /// @param number The number of the tool space among those of the rigid tool.
 void ReadContact(vtkFieldData* fields, vtkIdType number, palpate::ToolSpaceSetup& setup)
 {
-  setup.id = palpate::kContactToolSpace;
+  setup.interaction.active_node = -1;
   setup.interaction.kind = palpate::InteractionKind::rigid_contact;
   setup.grid.sparse = true;
   VisitContact(setup,
@@ -186,11 +187,14 @@ void ReadContact(vtkFieldData* fields, vtkIdType number, palpate::ToolSpaceSetup
   {
     tool.motion = static_cast<palpate::ToolMotion>(
       static_cast<int>(Required(fields, ToolMotion, 1)->GetComponent(0, 0)));
-    vtkDataArray* numbers = Required(fields, MotionNumbers, 1);
-    for (vtkIdType i = 0; i < numbers->GetNumberOfTuples(); ++i)
+    vtkDataArray* numbers = fields->GetArray(MotionNumbers);
+    if (!numbers || number >= numbers->GetNumberOfTuples())
     {
-      tool.motion_numbers.push_back(numbers->GetTuple1(i));
+      throw InputError("The state space has no array MotionNumbers of its tool. Compute the state "
+                       "space again.");
     }
+    tool.motion_numbers.resize(static_cast<std::size_t>(numbers->GetNumberOfComponents()));
+    numbers->GetTuple(number, tool.motion_numbers.data());
   }
   if (tool.shape != palpate::ToolShape::surface)
   {
@@ -267,7 +271,18 @@ void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space
     DoubleReader(arrays, all)(
       ThirdDerivative, 10, [](auto& c) { return c.third_derivative.data(); });
   }
-
+  if (vtkDataArray* ofTurns = arrays->GetArray(TurnDerivatives))
+  {
+    std::vector<double> numbers(static_cast<std::size_t>(ofTurns->GetNumberOfComponents()));
+    for (vtkIdType i = 0; i < count; ++i)
+    {
+      ofTurns->GetTuple(i, numbers.data());
+      if (!std::isnan(numbers.front()))
+      {
+        all[i].of_turns = numbers;
+      }
+    }
+  }
   if (arrays->HasArray(MeshErrorEnergy))
   {
     const auto readDoubles = DoubleReader(arrays, all);

@@ -2,6 +2,7 @@
 #include "vtkPalpateStateSpace.h"
 
 #include <algorithm>
+#include <limits>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -34,6 +35,12 @@
 
 namespace
 {
+/// The active node, or a number below 0 for each tool space of a rigid tool.
+vtkIdType NumberOf(const palpate::ToolSpaceSetup& setup)
+{
+  return setup.presses() ? setup.id : setup.interaction.active_node;
+}
+
 using namespace vtkPalpateStateSpaceArrays;
 using palpate::CheckPoint;
 using palpate::ConfigurationSummary;
@@ -252,6 +259,22 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
     ArrayMaker<vtkDoubleArray>(arrays, all)(
       ThirdDerivative, 10, [](auto& c) { return c.third_derivative.data(); });
   }
+  const auto turned =
+    std::find_if(all.begin(), all.end(), [](auto* c) { return !c->of_turns.empty(); });
+  if (turned != all.end())
+  {
+    auto* ofTurns = AddArray<vtkDoubleArray>(
+      arrays, TurnDerivatives, static_cast<int>((*turned)->of_turns.size()), count);
+    // Where a tool touches nothing there are none.
+    ofTurns->Fill(std::numeric_limits<double>::quiet_NaN());
+    for (vtkIdType i = 0; i < count; ++i)
+    {
+      if (!all[i]->of_turns.empty())
+      {
+        ofTurns->SetTypedTuple(i, all[i]->of_turns.data());
+      }
+    }
+  }
   if (std::any_of(all.begin(), all.end(), [](auto* c) { return c->mesh_error.is_known(); }))
   {
     const auto addDoubles = ArrayMaker<vtkDoubleArray>(arrays, all);
@@ -291,7 +314,7 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   {
     for (Eigen::Index i = 0; i < toolSpace.coefficients.cols(); ++i, ++next)
     {
-      nodes->SetValue(next, toolSpace.setup.interaction.active_node);
+      nodes->SetValue(next, NumberOf(toolSpace.setup));
       const Eigen::Index own = toolSpace.modes.cols();
       for (Eigen::Index m = 0; m < own; ++m)
       {
@@ -374,11 +397,14 @@ void AddContactFields(const TouchSpace& space, vtkFieldData* fields)
   }
   if (tool.motion != palpate::ToolMotion::translated)
   {
-    // All bodies are pressed by one tool.
+    // All bodies are pressed by one tool, but a tool space may have an orientation of its own.
     AddArray<vtkIntArray>(fields, ToolMotion, 1, 1)->SetValue(0, static_cast<int>(tool.motion));
-    const auto size = static_cast<vtkIdType>(tool.motion_numbers.size());
-    std::copy(tool.motion_numbers.begin(), tool.motion_numbers.end(),
-      AddArray<vtkDoubleArray>(fields, MotionNumbers, 1, size)->GetPointer(0));
+    auto* numbers = AddArray<vtkDoubleArray>(
+      fields, MotionNumbers, static_cast<int>(tool.motion_numbers.size()), count);
+    for (vtkIdType s = 0; s < count; ++s)
+    {
+      numbers->SetTypedTuple(s, setups[s]->interaction.tool.motion_numbers.data());
+    }
   }
   if (tool.shape != palpate::ToolShape::surface)
   {
@@ -454,7 +480,7 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
   for (vtkIdType i = 0; i < count; ++i)
   {
     const TouchToolSpace& toolSpace = space.tool_spaces[i];
-    nodes->SetValue(i, toolSpace.setup.interaction.active_node);
+    nodes->SetValue(i, NumberOf(toolSpace.setup));
     VisitSetup(toolSpace.setup,
       [&](const char* name, auto value)
       { fields->GetArray(name)->SetComponent(i, 0, static_cast<double>(value)); });

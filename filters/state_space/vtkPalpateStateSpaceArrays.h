@@ -149,7 +149,11 @@ void VisitRegion(MeshRegion&& region, Visit&& visit)
 
 /// The name of the array of offsets, which spaces of earlier versions do not have.
 constexpr const char* ContactOffset = "ContactOffset";
-/// The names of the field arrays of the tool's motion, if it is not translated.
+/// The name of the array of derivatives by all coordinates of a tool that is turned; NaN where it
+/// touches nothing.
+constexpr const char* TurnDerivatives = "TurnDerivatives";
+/// The names of the field arrays of the tool's motion, if it is not translated: its kind, and the
+/// numbers of each tool space.
 constexpr const char* ToolMotion = "ToolMotion";
 constexpr const char* MotionNumbers = "MotionNumbers";
 /// The names of the field arrays of the tool's surface, if the tool is one.

@@ -8,52 +8,22 @@
 #include "interaction/rigid_tool.h"
 #include "interaction/trocar_pose.h"
 #include "vtkObjectFactory.h"
+#include "vtkPalpateInstrument.h"
 
 vtkStandardNewMacro(vtkPalpateTrocarMotion);
 
-namespace
-{
-using palpate::Vec3;
-
-/// Along the longest side of the box around a surface, in the direction of the axis of the scene.
-Vec3 LongestSide(const palpate::RigidTool& tool)
-{
-  Eigen::AlignedBox3d box;
-  for (const Vec3& point : tool.points)
-  {
-    box.extend(point);
-  }
-  Eigen::Index longest = 2;
-  if (!box.isEmpty())
-  {
-    box.sizes().maxCoeff(&longest);
-  }
-  return Vec3::Unit(longest);
-}
-}
-
 void vtkPalpateTrocarMotion::Describe(palpate::RigidTool& tool) const
 {
-  const Vec3 given(this->InstrumentAxis);
+  const vtkPalpateInstrument instrument =
+    vtkPalpateInstrumentOf(tool, palpate::Vec3(this->InstrumentAxis));
   palpate::Trocar trocar;
-  trocar.place = Vec3(this->TrocarPoint);
-  if (!trocar.place.allFinite() || !given.allFinite())
+  trocar.place = palpate::Vec3(this->TrocarPoint);
+  if (!trocar.place.allFinite())
   {
-    throw palpate::InputError("TrocarPoint and InstrumentAxis must be finite.");
+    throw palpate::InputError("TrocarPoint must be finite.");
   }
-  const bool isCapsule = tool.shape == palpate::ToolShape::capsule;
-  const Vec3 own = isCapsule ? tool.axis.stableNormalized() : LongestSide(tool);
-  trocar.axis = given.isZero(0) ? own : given.stableNormalized();
-  if (isCapsule)
-  {
-    // Its axis is that of the shape, from the end that is said.
-    trocar.axis = own.dot(trocar.axis) < 0 ? Vec3(-own) : own;
-    trocar.tip = -0.5 * tool.length * trocar.axis;
-  }
-  else if (tool.shape != palpate::ToolShape::sphere)
-  {
-    trocar.tip = -palpate::reach(tool, -trocar.axis) * trocar.axis;
-  }
+  trocar.axis = instrument.Axis;
+  trocar.tip = instrument.Tip;
   if (!(this->MaximumTilt > 0 && this->MaximumTilt <= 90))
   {
     throw palpate::InputError("MaximumTilt is " + palpate::quantity(this->MaximumTilt, "degrees") +

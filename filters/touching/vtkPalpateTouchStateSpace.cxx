@@ -22,6 +22,7 @@
 #include "interpolation/solution_branches.h"
 #include "interpolation/tool_force.h"
 #include "interpolation/torn_energy.h"
+#include "interpolation/turned_force.h"
 #include "state_space/shown_surface.h"
 #include "storage/field_cache.h"
 #include "vtkCellArray.h"
@@ -70,6 +71,10 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node, palpate::B
       [&](const TouchToolSpace& of) { return of.setup.body == body; });
     const TouchToolSpace& first =
       found == space.tool_spaces.end() ? space.tool_spaces.front() : *found;
+    if (first.setup.turns())
+    {
+      return first;
+    }
     const std::vector<const TouchToolSpace*> pressing = space.list_pressing();
     if (first.setup.presses() && !pressing.empty() && pressing.front()->setup.region)
     {
@@ -164,15 +169,10 @@ Eigen::VectorXf BySurfaceModes(
 struct WholeBodyOf
 {
   /// @param bodies The first body of the space, and the one that is meant where it is another.
-  /// @param toolSpace The tool space on this body whose tool presses; null: there is none.
-  WholeBodyOf(std::vector<palpate::SpaceBody> bodies, const TouchToolSpace* toolSpace)
+  explicit WholeBodyOf(std::vector<palpate::SpaceBody> bodies)
     : Bodies(std::move(bodies))
+    , Tools(this->Body().scene->body, this->Body().at_rest)
   {
-    if (toolSpace)
-    {
-      this->Contact.emplace(
-        palpate::make_contact(this->Body().scene->body, toolSpace->setup.interaction.tool));
-    }
   }
 
   [[nodiscard]] const palpate::SpaceBody& Body() const { return this->Bodies.back(); }
@@ -205,30 +205,25 @@ struct WholeBodyOf
   palpate::ShownSurface Shown{ this->Bodies };
   /// It is made when it is first shown.
   vtkSmartPointer<vtkUnstructuredGrid> Rest;
-  /// The contact of the tool that presses.
-  std::optional<palpate::RigidContact> Contact;
+  /// The tools that press it.
+  palpate::InteractionFactory Tools;
   /// The assembly, which is made when stress is first asked for.
   std::optional<palpate::Assembly> Assembly;
-  /// The displacement of every point from rest [3 x points], m, and the pressures of mixed cells,
-  /// Pa.
-  palpate::NodalVector Displacement;
-  palpate::NodalVector Pressure;
 
-  /// The same from the mesh of the scene on, which may sag under a body force.
-  [[nodiscard]] palpate::NodalVector DisplacementOfMesh() const
+  /// A displacement from the mesh of the scene on, which may sag under a body force.
+  [[nodiscard]] palpate::NodalVector FromMesh(const palpate::NodalVector& u) const
   {
     const palpate::NodalVector& rest = this->Body().at_rest.u;
-    return rest.size() == 0 ? this->Displacement : this->Displacement + rest;
+    return rest.size() == 0 ? u : palpate::NodalVector(u + rest);
   }
-  [[nodiscard]] palpate::NodalVector WholePressure() const
+  [[nodiscard]] palpate::NodalVector WholePressure(const palpate::NodalVector& p) const
   {
     const palpate::NodalVector& rest = this->Body().at_rest.p;
-    if (this->Pressure.size() == 0)
+    if (p.size() == 0)
     {
       return rest;
     }
-    return rest.size() == this->Pressure.size() ? palpate::NodalVector(this->Pressure + rest)
-                                                : this->Pressure;
+    return rest.size() == p.size() ? palpate::NodalVector(p + rest) : p;
   }
 };
 
@@ -267,6 +262,10 @@ struct vtkPalpateTouchStateSpace::Part
   /// How the surface is displaced by the modes of an active node; null: a rigid tool has none.
   std::unique_ptr<palpate::DisplayField>* Shown = nullptr;
   WholeBodyOf* Whole = nullptr;
+  /// The displacement of every point from rest [3 x points], m, and the pressures of mixed cells,
+  /// Pa.
+  palpate::NodalVector Displacement;
+  palpate::NodalVector Pressure;
 };
 
 struct vtkPalpateTouchStateSpace::Prepared
@@ -286,6 +285,8 @@ struct vtkPalpateTouchStateSpace::Prepared
   /// The force on the rigid tool, by the number of the method, and whether the error of the mesh is
   /// corrected.
   std::map<std::pair<int, bool>, std::unique_ptr<palpate::ToolForce>> RigidForces;
+  /// The same of a tool that is turned.
+  std::map<bool, std::unique_ptr<palpate::TurnedForce>> TurnedForces;
   std::map<palpate::ToolSpaceKey, palpate::SolutionBranches> BranchesOfSpace;
   std::map<std::pair<palpate::ToolSpaceKey, int>, Branch> Branches;
   /// The branch that was asked for: its tool space and its number.
@@ -293,6 +294,8 @@ struct vtkPalpateTouchStateSpace::Prepared
   int OnBranch = 0;
   /// Of a space with the stages of a cut: the area that is open, m², and G, J/m².
   std::optional<std::pair<double, double>> Torn;
+  /// The torque of a tool that is turned, N m.
+  palpate::Vec3 Torque = palpate::Vec3::Zero();
   /// The whole bodies and their fields, as long as they are asked for.
   std::unique_ptr<palpate::FieldCache> Fields;
   std::optional<palpate::SpaceBody> FirstBody;
@@ -374,8 +377,7 @@ struct vtkPalpateTouchStateSpace::Prepared
     {
       bodies.push_back(this->Fields->read_body(body));
     }
-    const TouchToolSpace* pressing = this->Space.find({ palpate::kContactToolSpace, body });
-    return this->WholeBodies.try_emplace(body, std::move(bodies), pressing).first->second;
+    return this->WholeBodies.try_emplace(body, std::move(bodies)).first->second;
   }
 
   /// The branch that the body is on when the tool has come to t.
@@ -533,6 +535,42 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindStag
   return parts;
 }
 
+std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindOrientations(
+  const double at[3], palpate::TouchResult& touch)
+{
+  Prepared& cache = *this->Cache;
+  if (this->Interpolation != ENERGY_HERMITE)
+  {
+    throw palpate::InputError(
+      "Between orientations the energy is interpolated. Choose the Interpolation Energy Hermite.");
+  }
+  const std::vector<const TouchToolSpace*> spaces = cache.Space.list_turned();
+  auto& force = cache.TurnedForces[this->CorrectMeshError];
+  if (!force)
+  {
+    palpate::InterpolationOptions options;
+    options.correct_mesh_error = this->CorrectMeshError;
+    force = std::make_unique<palpate::TurnedForce>(spaces, options);
+  }
+  const palpate::Vec3 angles =
+    force->turning().angles_of(palpate::orientation_of(this->Orientation()));
+  const palpate::TurnedTouch felt = force->evaluate(palpate::Vec3(at), angles);
+  touch = felt;
+  cache.Torque = felt.torque;
+  cache.OnBranch = 0;
+  std::vector<Part> parts;
+  force->visit_weights(angles,
+    [&](std::size_t number, double weight)
+    {
+      const TouchToolSpace* of = spaces[number];
+      parts.push_back({ of, weight, &force->at_orientation(number),
+        &cache.Branches[{ of->setup.key(), 0 }].BodyField });
+    });
+  std::sort(
+    parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.Weight > b.Weight; });
+  return parts;
+}
+
 std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindParts(
   const TouchToolSpace& toolSpace, const double at[3], palpate::TouchResult& touch)
 {
@@ -544,6 +582,10 @@ std::vector<vtkPalpateTouchStateSpace::Part> vtkPalpateTouchStateSpace::FindPart
   options.correct_mesh_error = this->CorrectMeshError;
   std::vector<Part> parts;
   cache.Torn.reset();
+  if (toolSpace.setup.turns())
+  {
+    return this->FindOrientations(at, touch);
+  }
   if (!toolSpace.setup.presses() && !cache.Space.stages.empty())
   {
     return this->FindStages(toolSpace, at, touch);
@@ -647,7 +689,6 @@ void vtkPalpateTouchStateSpace::FindWholeBody(Part& part, const double t[3])
   }
   palpate::FieldSource& fields = cache.FieldsOfSpace();
   part.Whole = &cache.FindWholeBody(setup.body);
-  WholeBodyOf& whole = *part.Whole;
   auto& field = *part.Field;
   if (!field)
   {
@@ -658,10 +699,11 @@ void vtkPalpateTouchStateSpace::FindWholeBody(Part& part, const double t[3])
     : this->Stress                             ? palpate::Keep::surface
                                                : palpate::Keep::touch;
   const palpate::NearStates* near = cache.Found.force ? cache.Found.force->near_states() : nullptr;
-  field->evaluate(palpate::Vec3(t), fields, needed, whole.Displacement, whole.Pressure, near);
-  if (whole.Displacement.size() == 0)
+  field->evaluate(palpate::Vec3(t), fields, needed, part.Displacement, part.Pressure, near);
+  if (part.Displacement.size() == 0)
   {
-    whole.Displacement.setZero(3 * static_cast<Eigen::Index>(whole.Body().mesh().num_points()));
+    part.Displacement.setZero(
+      3 * static_cast<Eigen::Index>(part.Whole->Body().mesh().num_points()));
   }
 }
 
@@ -675,8 +717,10 @@ void vtkPalpateTouchStateSpace::AddContact(const std::vector<Part>& parts, const
   double meshError = 0;
   for (const Part& part : parts)
   {
-    const palpate::RigidContact::Patch patch =
-      part.Whole->Contact->patch(palpate::Vec3(t), part.Whole->DisplacementOfMesh());
+    const palpate::RigidContact& contact =
+      part.Whole->Tools.contact(part.Space->setup.interaction.tool);
+    const palpate::RigidContact::Patch patch = contact.patch(
+      contact.coordinates(palpate::Vec3(t)), part.Whole->FromMesh(part.Displacement));
     pressures += static_cast<float>(part.Weight) *
       part.Whole->OnShownSurface(Eigen::Map<const Eigen::VectorXd>(patch.pressure.data(),
                                    static_cast<Eigen::Index>(patch.pressure.size())),
@@ -700,10 +744,27 @@ void vtkPalpateTouchStateSpace::AddContact(const std::vector<Part>& parts, const
 }
 
 void vtkPalpateTouchStateSpace::AddWholeBody(
-  const Part& part, vtkPolyData* surface, vtkUnstructuredGrid* body)
+  const std::vector<Part>& parts, vtkPolyData* surface, vtkUnstructuredGrid* body)
 {
-  WholeBodyOf& whole = *part.Whole;
-  const palpate::NodalVector u = whole.DisplacementOfMesh();
+  WholeBodyOf& whole = *parts.front().Whole;
+  // Regions have meshes of their own, of which that of the most weight is shown. Orientations have
+  // one.
+  palpate::NodalVector fromRest = parts.front().Displacement;
+  palpate::NodalVector pressure = parts.front().Pressure;
+  if (parts.front().Space->setup.turns())
+  {
+    fromRest.setZero();
+    pressure.setZero();
+    for (const Part& part : parts)
+    {
+      fromRest += part.Weight * part.Displacement;
+      if (part.Pressure.size() == pressure.size())
+      {
+        pressure += part.Weight * part.Pressure;
+      }
+    }
+  }
+  const palpate::NodalVector u = whole.FromMesh(fromRest);
   const palpate::TetMesh& mesh = whole.Body().mesh();
   if (this->WholeBody)
   {
@@ -722,7 +783,7 @@ void vtkPalpateTouchStateSpace::AddWholeBody(
     }
     body->SetPoints(points);
     body->GetPointData()->AddArray(
-      vtkPalpateNodalArray(vtkPalpateArray::Displacement, whole.Displacement));
+      vtkPalpateNodalArray(vtkPalpateArray::Displacement, fromRest));
     body->GetPointData()->SetActiveVectors(vtkPalpateArray::Displacement);
   }
   if (this->Stress)
@@ -732,7 +793,7 @@ void vtkPalpateTouchStateSpace::AddWholeBody(
       whole.Assembly.emplace(*whole.Body().scene);
     }
     const palpate::BodyStress stress =
-      palpate::find_stress(*whole.Assembly, mesh, u, whole.WholePressure());
+      palpate::find_stress(*whole.Assembly, mesh, u, whole.WholePressure(pressure));
     vtkPalpateAddStress(
       stress.at_points, surface->GetPointData(), &this->Cache->Space.surface.mesh_points);
     if (this->WholeBody)
@@ -802,8 +863,14 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   const TouchSpace& space = this->Cache->Space;
   const TouchToolSpace& toolSpace = SiteOf(space, this->ActiveNode, this->BodyNumber);
   const bool presses = toolSpace.setup.presses();
-  const bool hasRigidTool = space.find_pressing() != nullptr;
+  const bool hasRigidTool = space.find_pressing() != nullptr || !space.list_turned().empty();
   const palpate::Vec3 t(presses ? this->ToolPosition : this->Displacement);
+  if (presses && !toolSpace.setup.turns())
+  {
+    // An orientation that the tool cannot have is refused.
+    palpate::RigidTool tool = toolSpace.setup.interaction.tool;
+    palpate::turn(tool, this->Orientation());
+  }
   palpate::TouchResult touch;
   std::vector<Part> parts = this->FindParts(toolSpace, t.data(), touch);
   const Part& leading = parts.front();
@@ -863,7 +930,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
     for (const Part& part : parts)
     {
       u += static_cast<float>(part.Weight) *
-        part.Whole->OnShownSurface(part.Whole->Displacement, 3, surface);
+        part.Whole->OnShownSurface(part.Displacement, 3, surface);
     }
   }
   vtkPalpateShowDisplaced(surface, this->Cache->Triangles, u, output);
@@ -890,7 +957,13 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   if (presses)
   {
     AddVector(output, "ToolPosition", 3, t.data());
-    if (const auto torque = palpate::torque_of(toolSpace.setup.interaction.tool, t, touch.force))
+    if (toolSpace.setup.turns())
+    {
+      AddVector(output, "ToolOrientation", 4, this->ToolOrientation);
+      AddVector(output, "Torque", 3, this->Cache->Torque.data());
+    }
+    else if (const auto torque =
+               palpate::torque_of(toolSpace.setup.interaction.tool, t, touch.force))
     {
       AddVector(output, "Torque", 3, torque->data());
     }
@@ -922,7 +995,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
       {
         this->AddContact(parts, t.data(), touch, output);
       }
-      this->AddWholeBody(leading, output, wholeBody);
+      this->AddWholeBody(parts, output, wholeBody);
     });
   if (this->Display->IsGiven())
   {
@@ -944,6 +1017,9 @@ void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << this->Displacement[2] << '\n'
      << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
      << this->ToolPosition[2] << '\n'
+     << indent << "ToolOrientation: " << this->ToolOrientation[0] << ' '
+     << this->ToolOrientation[1] << ' ' << this->ToolOrientation[2] << ' '
+     << this->ToolOrientation[3] << '\n'
      << indent << "FromStart: " << this->FromStart << '\n'
      << indent << "StartToolPosition: " << this->StartToolPosition[0] << ' '
      << this->StartToolPosition[1] << ' ' << this->StartToolPosition[2] << '\n'

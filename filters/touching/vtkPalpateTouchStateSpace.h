@@ -113,6 +113,11 @@ public:
   vtkGetVector3Macro(ToolPosition, double);
   ///@}
   ///@{
+  /// How a rigid tool is turned that may be turned: a quaternion w, x, y, z, of any length above 0.
+  vtkSetVector4Macro(ToolOrientation, double);
+  vtkGetVector4Macro(ToolOrientation, double);
+  ///@}
+  ///@{
   /// Whether a rigid tool comes from StartToolPosition; if not, it comes from outside along the
   /// normal of the surface.
   vtkSetMacro(FromStart, bool);
@@ -200,6 +205,13 @@ private:
   /// The tool spaces that have a weight at t, the one with the most first, and the force by them.
   std::vector<Part> FindParts(
     const palpate::TouchToolSpace& toolSpace, const double t[3], palpate::TouchResult& touch);
+  /// The orientations around that of a tool that is turned, and the force by them.
+  std::vector<Part> FindOrientations(const double t[3], palpate::TouchResult& touch);
+  std::array<double, 4> Orientation() const
+  {
+    return { this->ToolOrientation[0], this->ToolOrientation[1], this->ToolOrientation[2],
+      this->ToolOrientation[3] };
+  }
   /// The stages of the cut between which the body is, and the force by them.
   std::vector<Part> FindStages(
     const palpate::TouchToolSpace& toolSpace, const double t[3], palpate::TouchResult& touch);
@@ -210,7 +222,8 @@ private:
   void AddContact(const std::vector<Part>& parts, const double t[3],
     const palpate::TouchResult& touch, vtkPolyData* surface);
   /// Adds stress and the second output.
-  void AddWholeBody(const Part& part, vtkPolyData* surface, vtkUnstructuredGrid* body);
+  void AddWholeBody(
+    const std::vector<Part>& parts, vtkPolyData* surface, vtkUnstructuredGrid* body);
 
   vtkIdType ActiveNode = -1;
   vtkIdType BodyNumber = 1;
@@ -218,6 +231,7 @@ private:
   double FractureToughness = 0;
   double Displacement[3] = { 0, 0, 0 };
   double ToolPosition[3] = { 0, 0, 0 };
+  double ToolOrientation[4] = { 1, 0, 0, 0 };
   bool FromStart = false;
   double StartToolPosition[3] = { 0, 0, 0 };
   double StartDisplacement[3] = { 0, 0, 0 };

@@ -464,7 +464,9 @@ Eigen::MatrixXd CondensedSystem::times(const CondensedTangent& tangent,
   const std::vector<double>& values = tangent.values;
   Eigen::MatrixXd product(columns.rows(), columns.cols());
   for (Eigen::Index first = 0; first < columns.cols(); first += kTogether) {
-    const Rows x = columns.middleCols<kTogether>(first);
+    const Eigen::Index together = std::min<Eigen::Index>(kTogether, columns.cols() - first);
+    Rows x = Rows::Zero(columns.rows(), kTogether);
+    x.leftCols(together) = columns.middleCols(first, together);
     Rows y = Rows::Zero(x.rows(), kTogether);
     for (Index c = 0; c < pattern.size; ++c) {
       const Eigen::RowVector3d x_c = x.row(c);
@@ -477,7 +479,7 @@ Eigen::MatrixXd CondensedSystem::times(const CondensedTangent& tangent,
       }
       y.row(c) += y_c;
     }
-    product.middleCols<kTogether>(first) = y;
+    product.middleCols(first, together) = y.leftCols(together);
   }
   return product;
 }

@@ -39,8 +39,7 @@ void for_each_cell(ShellCells& cells, const CheckPoint& first, std::int32_t coun
 
 }  // namespace
 
-Grid make_shell_grid(const ToolClearance& clearance, double spacing) {
-  const Eigen::AlignedBox3d box = clearance.bounds();
+Grid make_shell_grid(const Eigen::AlignedBox3d& box, double spacing) {
   const double size = box.sizes().maxCoeff();
   constexpr int kMostCells = kLargestCoarsestResolution - 1;
   // The number of cells is even, so that (0, 0, 0) is a corner. One cell is added, since the box
@@ -64,18 +63,28 @@ Grid make_shell_grid(const ToolClearance& clearance, double spacing) {
   return grid;
 }
 
-std::vector<StartGraph::Target> shell_targets(const ToolClearance& clearance, const Grid& grid,
-                                              const std::vector<char>& touchable,
-                                              const ShellOptions& options) {
+std::set<CheckPoint> list_shell_cells(const ToolClearance& clearance, const Grid& grid,
+                                      const std::vector<char>& touchable,
+                                      const ShellOptions& options) {
   ShellCells cells(clearance, grid, touchable, options);
   std::int32_t all = 1;
   while (all < cells.num_roots()) all *= 2;
+  std::set<CheckPoint> list;
+  for_each_cell(cells, {0, 0, 0}, all, [&](const CheckPoint& numbers) { list.insert(numbers); });
+  return list;
+}
+
+std::vector<StartGraph::Target> shell_targets(const ToolClearance& clearance, const Grid& grid,
+                                              const std::vector<char>& touchable,
+                                              const ShellOptions& options,
+                                              const std::set<CheckPoint>& of_shell) {
+  ShellCells cells(clearance, grid, touchable, options);
   std::set<CheckPoint> corners;
-  for_each_cell(cells, {0, 0, 0}, all, [&](const CheckPoint& numbers) {
+  for (const CheckPoint& numbers : of_shell) {
     for (int corner = 0; corner < 8; ++corner) {
       corners.insert(corner_of(cells.root(numbers), corner));
     }
-  });
+  }
   const auto is_corner = [&](const CheckPoint& p) { return corners.count(p) > 0; };
   std::vector<StartGraph::Target> targets;
   for (const CheckPoint& p : corners) {

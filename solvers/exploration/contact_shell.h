@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "exploration/start_graph.h"
@@ -39,17 +40,25 @@ struct ShellOptions {
 
 /// The grid around a body that a rigid tool presses. Its coarsest cells may be halved as often as
 /// the numbers of check-points allow, three times at most.
+/// @param bounds The places where the tool may touch the body, m, see ToolClearance::bounds().
 /// @param spacing Side of the coarsest cells, m.
 /// @throws InputError there would be too many of them.
-[[nodiscard]] Grid make_shell_grid(const ToolClearance& clearance, double spacing);
+[[nodiscard]] Grid make_shell_grid(const Eigen::AlignedBox3d& bounds, double spacing);
 
-/// The corners of the coarsest cells of the shell.
+/// The coarsest cells of the shell, by their numbers along the axes, from 0.
 /// @param touchable One entry for each point of the mesh; other than 0: the point may be touched.
-/// @returns Nothing if there is no such cell.
+[[nodiscard]] std::set<CheckPoint> list_shell_cells(const ToolClearance& clearance,
+                                                    const Grid& grid,
+                                                    const std::vector<char>& touchable,
+                                                    const ShellOptions& options);
+
+/// The corners of coarsest cells.
+/// @param cells Those of the shell, or more.
 [[nodiscard]] std::vector<StartGraph::Target> shell_targets(const ToolClearance& clearance,
                                                             const Grid& grid,
                                                             const std::vector<char>& touchable,
-                                                            const ShellOptions& options);
+                                                            const ShellOptions& options,
+                                                            const std::set<CheckPoint>& cells);
 
 /// The targets of a further round: the points of the halves of the cells that are to be split. They
 /// are reached from the corners of these cells, the nearest first.

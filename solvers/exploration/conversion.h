@@ -11,7 +11,8 @@ namespace palpate {
 [[nodiscard]] Equilibrium to_equilibrium(Configuration&& configuration);
 
 /// The configuration of an equilibrium, with a signature, and without its place on the grid. It has
-/// no fields if the solve failed or the tool touches nothing.
+/// no fields if the solve failed or the tool touches nothing. Of a tool that is turned it keeps the
+/// fields that belong to its place.
 [[nodiscard]] Configuration to_configuration(Equilibrium&& equilibrium);
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "base/quantity.h"
 #include "exploration/start_graph.h"
 #include "interaction/bonded_patch.h"
+#include "interaction/turned_pose.h"
 #include "mesh/resolved_length.h"
 #include "storage/state_space_file.h"
 
@@ -23,6 +25,9 @@ constexpr int kMaxDepth = 6;
 
 /// Default side of the coarsest cells of a rigid tool's space, in half-widths of the tool.
 constexpr double kSpacingOfRadius = 0.4;
+
+/// A share of an angle that is rounding.
+constexpr double kRounding = 1e-6;
 
 /// Makes the grid that of the smallest cells that a tolerance may ask for.
 void refine(const PrecomputeOptions& options, ToolSpaceSetup& setup) {
@@ -129,7 +134,7 @@ ToolSpaceSetup plan_tool(const SpaceBody& of, const PrecomputeOptions& options,
                      ": most contacts would lie between the places "
                      "that are computed. Take a quarter of the tool's size or less.");
   }
-  setup.grid = make_shell_grid(*clearance, spacing);
+  setup.grid = make_shell_grid(clearance->bounds(), spacing);
   setup.policy = policy_of(options);
   // The energies of regions are blended, and their levels are not known of each other.
   if (region) setup.policy.history = History::flat;
@@ -140,13 +145,73 @@ ToolSpaceSetup plan_tool(const SpaceBody& of, const PrecomputeOptions& options,
   return setup;
 }
 
+/// The spaces of a tool at the orientations of a grid. Between them it touches where it does at one
+/// of those around, so that each has the cells of its neighbours too.
+std::vector<PlannedSpace> plan_turned_shells(const SpaceBody& of, const PrecomputeOptions& options,
+                                             InteractionFactory& tools) {
+  ToolSpaceSetup setup = plan_tool(of, options, tools, {});
+  setup.policy.history = History::flat;
+  const ContactOptions& contact = *options.contact;
+  const TurnGrid grid =
+      grid_of_turns(Turning::from(setup.interaction.tool.motion_numbers),
+                    contact.turn_spacing > 0 ? contact.turn_spacing : kUsualTurnSpacing);
+  const std::vector<Turning>& turns = grid.turns;
+  // Where the tool touches at these orientations and halfway between them.
+  const TurnGrid finer = grid_of_turns(turns.front(), 0.5 * grid.step);
+  std::vector<std::shared_ptr<const ToolClearance>> clearances;
+  Eigen::AlignedBox3d bounds;
+  for (const Turning& turning : finer.turns) {
+    setup.interaction.tool.motion_numbers = turning.numbers();
+    clearances.push_back(tools.clearance(setup.interaction));
+    bounds.extend(clearances.back()->bounds());
+  }
+  setup.grid = make_shell_grid(bounds, setup.grid.coarsest * setup.grid.spacing());
+  const std::vector<char>& touchable = of.scene->body.touchable;
+  std::vector<std::set<CheckPoint>> cells;
+  for (const auto& clearance : clearances) {
+    cells.push_back(list_shell_cells(*clearance, setup.grid, touchable, contact.shell));
+  }
+  std::vector<PlannedSpace> spaces;
+  for (std::size_t k = 0; k < turns.size(); ++k) {
+    setup.interaction.tool.motion_numbers = turns[k].numbers();
+    // The keys are in ascending order.
+    setup.id = kContactToolSpace - static_cast<ToolSpaceId>(turns.size() - 1 - k);
+    std::set<CheckPoint> around;
+    for (std::size_t other = 0; other < cells.size(); ++other) {
+      const Vec3 way = finer.turns[other].angles - turns[k].angles;
+      if (way.lpNorm<Eigen::Infinity>() > (1 + kRounding) * grid.step) continue;
+      around.insert(cells[other].begin(), cells[other].end());
+    }
+    // One orientation is explored after the other.
+    ShellOptions shell = contact.shell;
+    shell.turn = static_cast<int>(k);
+    std::vector<StartGraph::Target> targets = shell_targets(
+        *tools.clearance(setup.interaction), setup.grid, touchable, shell, around);
+    if (targets.empty()) continue;
+    spaces.push_back({setup, std::make_shared<const StartGraph>(setup.key(), std::move(targets))});
+  }
+  if (spaces.size() < turns.size()) throw_nothing_to_press(options);
+  return spaces;
+}
+
 std::vector<PlannedSpace> plan_shell(const SpaceBody& of, const PrecomputeOptions& options,
                                      InteractionFactory& tools,
                                      const std::optional<MeshRegion>& region) {
+  if (options.contact->tool.motion == ToolMotion::turned) {
+    if (region || of.scene->body.cut.stage > 0) {
+      throw InputError(
+          "A tool that is turned (Motion) presses an organ of one mesh without a cut. Choose the "
+          "Motion Translated or Trocar, or leave out MeshTolerance and the cut.");
+    }
+    return plan_turned_shells(of, options, tools);
+  }
   const ToolSpaceSetup setup = plan_tool(of, options, tools, region);
+  const std::shared_ptr<const ToolClearance> clearance = tools.clearance(setup.interaction);
+  const std::vector<char>& touchable = of.scene->body.touchable;
+  const ShellOptions& shell = options.contact->shell;
   std::vector<StartGraph::Target> targets =
-      shell_targets(*tools.clearance(setup.interaction), setup.grid, of.scene->body.touchable,
-                    options.contact->shell);
+      shell_targets(*clearance, setup.grid, touchable, shell,
+                    list_shell_cells(*clearance, setup.grid, touchable, shell));
   if (targets.empty() && region) return {};
   if (targets.empty()) throw_nothing_to_press(options);
   return {{setup, std::make_shared<const StartGraph>(setup.key(), std::move(targets))}};

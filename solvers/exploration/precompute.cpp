@@ -156,6 +156,10 @@ PrecomputeOptions resolved(const std::vector<BodyOfRun>& bodies, const Precomput
   PrecomputeOptions options = asked;
   options.equilibrium.threads = num_threads(communicator, asked.equilibrium.threads);
   if (asked.contact) {
+    // Between orientations the energy is interpolated by derivatives up to the third.
+    if (asked.contact->tool.motion == ToolMotion::turned) {
+      options.equilibrium.third_derivatives = true;
+    }
     const Scene& scene = *bodies.front().scene;
     bool is_earlier = false;
     agree(communicator,

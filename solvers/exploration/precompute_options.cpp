@@ -20,7 +20,7 @@ constexpr int kMostHalvingsOfStep = 3;
 
 void validate(const PrecomputeOptions& options) {
   if (options.contact) {
-    const auto& [tool, spacing, shell, most_configurations] = *options.contact;
+    const auto& [tool, spacing, shell, turn_spacing, most_configurations] = *options.contact;
     if (!(std::isfinite(spacing) && spacing >= 0)) {
       throw InputError("The spacing is " + quantity(spacing) +
                        "; it must be a length in m, or 0 for two fifths of the tool's radius.");
@@ -28,6 +28,12 @@ void validate(const PrecomputeOptions& options) {
     if (!(std::isfinite(shell.depth) && shell.depth >= 0)) {
       throw InputError("The depth is " + quantity(shell.depth) +
                        "; it must be a length in m, or 0 to go as deep as the force limit allows.");
+    }
+    if (!(turn_spacing >= 0 && turn_spacing <= kLargestTurnSpacing)) {
+      throw InputError("The TurnSpacing is " + quantity(turn_spacing * 180 / M_PI, "degrees") +
+                       "; it must be at most " +
+                       quantity(kLargestTurnSpacing * 180 / M_PI, "degrees") +
+                       ", or 0 for the usual one.");
     }
     if (!shell.begin_at.allFinite()) {
       throw InputError("The place where the exploration begins is not finite.");

@@ -19,6 +19,10 @@
 
 namespace palpate {
 
+/// The step of the orientations of a tool that is turned, rad.
+inline constexpr double kUsualTurnSpacing = 15 * M_PI / 180;
+inline constexpr double kLargestTurnSpacing = 45 * M_PI / 180;
+
 /// A rigid tool that presses the body anywhere.
 struct ContactOptions {
   /// Its thickness and stiffness may be 0, for values that suit the tool and the body.
@@ -26,6 +30,8 @@ struct ContactOptions {
   /// Side of the coarsest cells, m; 0: two fifths of the tool's radius.
   double spacing = 0;
   ShellOptions shell;
+  /// Of a tool that is turned: the step of its orientations at most, rad; 0: kUsualTurnSpacing.
+  double turn_spacing = 0;
   /// The exploration is refused if more configurations than these are expected.
   std::int64_t most_configurations = 100'000;
 };

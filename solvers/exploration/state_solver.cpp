@@ -21,8 +21,9 @@ constexpr double kSameEnergy = 1e-6;
 bool is_same(const Equilibrium& a, const Equilibrium& b) {
   // The energy of a body at rest under loads is rounding in older files, and zero now.
   if ((a.flags & flags::touches_nothing) != 0 && b.reaction.isZero(0)) return true;
-  const double force = std::max(a.reaction.norm(), b.reaction.norm());
-  return (a.reaction - b.reaction).norm() <= kSameForce * force &&
+  const Vec3 of_a = a.reaction.head<3>(), of_b = b.reaction.head<3>();
+  const double force = std::max(of_a.norm(), of_b.norm());
+  return (of_a - of_b).norm() <= kSameForce * force &&
          std::abs(a.energy - b.energy) <= kSameEnergy * std::abs(a.energy);
 }
 
@@ -50,6 +51,18 @@ Equilibrium InteractionSolver::solve_from_rest(const ToolSpaceSetup& setup,
   return found ? std::move(*found) : solver_.solve(t, rest, tangent);
 }
 
+Equilibrium InteractionSolver::with_turns(Equilibrium state) const {
+  const Eigen::Index d = tool_->num_coordinates();
+  state.t = tool_->coordinates(state.t);
+  state.reaction.conservativeResizeLike(Eigen::VectorXd::Zero(d));
+  state.stiffness.conservativeResizeLike(Eigen::MatrixXd::Zero(d, d));
+  for (Eigen::MatrixXd* sensitivity : {&state.v, &state.p_v}) {
+    if (sensitivity->cols() == 0) continue;
+    sensitivity->conservativeResizeLike(Eigen::MatrixXd::Zero(sensitivity->rows(), d));
+  }
+  return state;
+}
+
 const InnerExtension& InteractionSolver::extension(Keep kept) {
   const auto found = extensions_.find(kept);
   if (found != extensions_.end()) return found->second;
@@ -65,7 +78,7 @@ MeshError InteractionSolver::mesh_error(const ToolSpaceSetup& setup, const Equil
   if ((state.flags & flags::touches_nothing) != 0) return {0, Vec3::Zero(), true};
   take(setup);
   const MeshErrorEstimate estimate = mesh_errors_->estimate(state, *tool_);
-  return {estimate.energy - mesh_error_at_rest(), estimate.force, estimate.is_reliable};
+  return {estimate.energy - mesh_error_at_rest(), estimate.force.head<3>(), estimate.is_reliable};
 }
 
 double InteractionSolver::mesh_error_at_rest() {
@@ -80,7 +93,7 @@ Equilibrium InteractionSolver::restore(const ToolSpaceSetup& setup, const Equili
                                        Keep kept) {
   if (!has_fields(near)) return near;
   take(setup);
-  Equilibrium filled = near;
+  Equilibrium filled = turns() ? with_turns(near) : near;
   // The extension to the inside works with displacements from rest.
   const SettledBody& at_rest = body_.at_rest;
   if (at_rest.u.size() > 0) filled.u -= at_rest.u;
@@ -90,7 +103,7 @@ Equilibrium InteractionSolver::restore(const ToolSpaceSetup& setup, const Equili
   Equilibrium restored = solver_.settle(filled);
   if (restored.outcome == Outcome::converged && is_same(restored, near)) return restored;
   // Try the straight line from where the tool touches nothing, or from rest.
-  restored = clearance_ == nullptr ? solver_.solve(near.t, solver_.rest(), Tangent::factorised)
+  restored = clearance_ == nullptr ? solver_.solve(filled.t, solver_.rest(), Tangent::factorised)
                                    : begin(setup, near.t, Tangent::factorised);
   if (restored.outcome == Outcome::converged && !is_same(restored, near)) {
     restored.outcome = Outcome::not_converged;

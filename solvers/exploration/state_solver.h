@@ -2,6 +2,9 @@
 // What the engine asks of the mechanics: equilibria of a body on which one tool after the other
 // acts. InteractionSolver computes them. Where only the order and the time of transitions matter, a
 // recording of solves can take its place.
+//
+// t is the place of the tool. One that is turned keeps its angles, those of its tool space: its
+// states have the derivatives by them, and need none at their start.
 #pragma once
 
 #include <map>
@@ -69,18 +72,21 @@ class InteractionSolver final : public StateSolver {
   [[nodiscard]] Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                   Tangent tangent) override {
     take(setup);
-    const Eigen::VectorXd start =
-        clearance_ == nullptr ? t : Eigen::VectorXd(clearance_->start_for(t));
-    Equilibrium rest = solver_.rest(start);
+    const Vec3 start = clearance_ == nullptr ? Vec3(t) : clearance_->start_for(t);
+    Equilibrium rest = solver_.rest(tool_->coordinates(start));
     if (rest.outcome != Outcome::converged) throw InputError(rest.summary.message);
-    return start == t ? rest : solve_from_rest(setup, t, rest, tangent);
+    return start == t ? rest : solve_from_rest(setup, tool_->coordinates(t), rest, tangent);
   }
   [[nodiscard]] Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                   const Equilibrium& start, Tangent tangent) override {
     take(setup);
-    if (!has_fields(start)) return solve_from_rest(setup, t, solver_.rest(start.t), tangent);
-    return start.t.isZero(0) && clearance_ == nullptr ? solve_from_rest(setup, t, start, tangent)
-                                                      : solver_.solve(t, start, tangent);
+    const Eigen::VectorXd end = tool_->coordinates(t);
+    if (!has_fields(start)) {
+      return solve_from_rest(setup, end, solver_.rest(tool_->coordinates(start.t)), tangent);
+    }
+    if (turns()) return solver_.solve(end, with_turns(start), tangent);
+    return start.t.isZero(0) && clearance_ == nullptr ? solve_from_rest(setup, end, start, tangent)
+                                                      : solver_.solve(end, start, tangent);
   }
   /// What was done for the bodies whose cut is closed, see ClosedStart.
   [[nodiscard]] Work closed_work() const { return closed_ ? closed_->start.work() : Work(); }
@@ -88,8 +94,10 @@ class InteractionSolver final : public StateSolver {
                                     Keep kept) override;
   [[nodiscard]] MeshError mesh_error(const ToolSpaceSetup& setup,
                                      const Equilibrium& state) override;
-  void forget(const ToolSpaceSetup& /*setup*/, const Equilibrium& state) override {
-    if (has_fields(state)) solver_.forget(state);
+  void forget(const ToolSpaceSetup& setup, const Equilibrium& state) override {
+    if (!has_fields(state)) return;
+    take(setup);
+    solver_.forget(turns() ? with_turns(state) : state);
   }
 
   /// Has the solver solve with the tool of a tool space.
@@ -103,6 +111,10 @@ class InteractionSolver final : public StateSolver {
 
  private:
   [[nodiscard]] static bool has_fields(const Equilibrium& state) { return state.u.size() > 0; }
+  /// Whether the tool has coordinates besides its place.
+  [[nodiscard]] bool turns() const { return tool_->num_coordinates() > 3; }
+  /// A state with all coordinates of the tool. What belongs to its angles is zero, as they stay.
+  [[nodiscard]] Equilibrium with_turns(Equilibrium state) const;
   /// Solves from a start where the tool does nothing to the body. A body with an open cut is solved
   /// by way of the closed one first.
   [[nodiscard]] Equilibrium solve_from_rest(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,

@@ -44,6 +44,7 @@ template <class Visit>
 void for_each_part(ConfigurationSummary& c, Visit&& visit) {
   for_each_number_of_summary(c, visit);
   for_each_number_of_mesh_error(c.mesh_error, visit);
+  visit(c.of_turns);
   visit(c.reached);
 }
 template <class Visit>

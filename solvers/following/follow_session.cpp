@@ -23,6 +23,11 @@ void require_followable(const PrecomputeOptions& options) {
     throw InputError(
         "A space can be explored around a hand for a rigid tool alone. Choose a tool.");
   }
+  if (options.contact->tool.motion == ToolMotion::turned) {
+    throw InputError(
+        "A space that is explored around a hand holds no tool that is turned freely. Choose the "
+        "Motion Translated or Trocar, or the Exploration Whole Space.");
+  }
   if (options.intermediate_states > 0) {
     throw InputError(
         "A space that is explored around a hand has no intermediate states. Ask for none.");

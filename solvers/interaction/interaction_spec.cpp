@@ -42,7 +42,19 @@ const BondedPatches& InteractionFactory::patches(double radius) {
 }
 
 InteractionFactory::Rigid& InteractionFactory::rigid(const RigidTool& tool) {
-  if (!rigid_ || !(rigid_->tool == tool)) {
+  if (rigid_ && rigid_->tool == tool) return *rigid_;
+  RigidTool moved = rigid_ ? rigid_->tool : tool;
+  moved.motion = tool.motion;
+  moved.motion_numbers = tool.motion_numbers;
+  if (rigid_ && moved == tool) {
+    const RigidContact& other = rigid_->contact;
+    const PoseMapPtr pose = pose_of(tool);
+    const auto clearance = rigid_->clearance;
+    rigid_.emplace(
+        Rigid{tool, RigidContact(other.surface_ptr(), other.shape_ptr(), other.law(), pose),
+              clearance == nullptr ? nullptr
+                                   : std::make_shared<const ToolClearance>(*clearance, pose)});
+  } else {
     rigid_.emplace(Rigid{tool, make_contact(body_, tool), nullptr});
   }
   return *rigid_;

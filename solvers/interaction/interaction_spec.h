@@ -79,7 +79,7 @@ class InteractionFactory {
 
  private:
   /// The parts of the rigid tool that was made last. They are kept, since its distance and the
-  /// points of its contact take time to make.
+  /// points of its contact take time to make, and serve the same tool in another motion too.
   struct Rigid {
     RigidTool tool;
     RigidContact contact;

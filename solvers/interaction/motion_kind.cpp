@@ -14,6 +14,8 @@
 namespace palpate {
 namespace {
 
+constexpr double kNotTurned = 1e-12;
+
 class TranslatedKind final : public MotionKind {
  public:
   TranslatedKind() = default;
@@ -70,10 +72,21 @@ class TurnedKind final : public MotionKind {
   [[nodiscard]] std::string description(const std::vector<double>& numbers) const override {
     return palpate::description(Turning::from(numbers));
   }
+  void turn(const Eigen::Quaterniond& orientation, std::vector<double>& numbers) const override {
+    Turning turning = Turning::from(numbers);
+    const Vec3 angles = turning.angles_of(orientation);
+    turning.angles.setZero();
+    turned_pose(turning)->check(turning.coordinates(Vec3::Zero(), angles));
+    turning.angles = angles;
+    numbers = turning.numbers();
+  }
   [[nodiscard]] std::optional<Vec3> torque(const std::vector<double>& numbers,
                                            const Eigen::VectorXd& q,
                                            const Eigen::VectorXd& h) const override {
-    return Turning::from(numbers).torque(q, h);
+    const Turning turning = Turning::from(numbers);
+    Vec3 by_angle = Vec3::Zero();
+    by_angle.head(turning.num_angles()) = turning.lever * h.tail(turning.num_angles());
+    return turning.torque(turning.angles_at(q), by_angle);
   }
 };
 
@@ -86,6 +99,14 @@ KindList<MotionKind>& kinds_of_motions() {
 }
 
 }  // namespace
+
+void MotionKind::turn(const Eigen::Quaterniond& orientation,
+                      std::vector<double>& /*numbers*/) const {
+  if (orientation.vec().norm() <= kNotTurned * orientation.norm()) return;
+  throw InputError(
+      "ToolOrientation turns the tool, but its Motion leaves it no freedom to turn. Choose the "
+      "Motion Turned, or give the ToolOrientation 1 0 0 0.");
+}
 
 const MotionKind& motion_kind(ToolMotion number) { return kinds_of_motions().get(number); }
 

@@ -31,6 +31,9 @@ class MotionKind {
   /// Fills in numbers that were left open, for a body.
   /// @throws InputError the motion does not suit the body.
   virtual void complete(const Scene& /*scene*/, std::vector<double>& /*numbers*/) const {}
+  /// Turns the tool as it is at each place of which no orientation is told.
+  /// @throws InputError it cannot be turned so far, or not at all.
+  virtual void turn(const Eigen::Quaterniond& orientation, std::vector<double>& numbers) const;
   /// The torque of a tool about the point around which it turns [3], N·m; nothing: it does not
   /// turn.
   /// @param q,h Its coordinates and ∂Π/∂q [d].

@@ -94,6 +94,20 @@ double reach_at(const RigidTool& tool, const Pose& pose, const Vec3& q, const Ve
   return (pose.place - q).dot(direction) + reach(tool, pose.rotation.transpose() * direction);
 }
 
+Eigen::Quaterniond orientation_of(const std::array<double, 4>& numbers) {
+  const auto [w, x, y, z] = numbers;
+  const Eigen::Quaterniond orientation(w, x, y, z);
+  if (!orientation.coeffs().allFinite() || !(orientation.norm() > 0)) {
+    throw InputError(
+        "An orientation must be a quaternion: w, x, y and z, finite and not all of them 0.");
+  }
+  return orientation.normalized();
+}
+
+void turn(RigidTool& tool, const std::array<double, 4>& orientation) {
+  motion_kind(tool.motion).turn(orientation_of(orientation), tool.motion_numbers);
+}
+
 std::optional<Vec3> torque_of(const RigidTool& tool, const Eigen::VectorXd& q,
                               const Eigen::VectorXd& h) {
   return motion_kind(tool.motion).torque(tool.motion_numbers, q, h);

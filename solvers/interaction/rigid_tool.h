@@ -71,6 +71,13 @@ inline constexpr double kCalibratedDepth = 0.07;
 [[nodiscard]] double reach_at(const RigidTool& tool, const Pose& pose, const Vec3& q,
                               const Vec3& direction);
 
+/// The rotation of numbers w, x, y and z, of any length above 0.
+/// @throws InputError they are none.
+[[nodiscard]] Eigen::Quaterniond orientation_of(const std::array<double, 4>& numbers);
+
+/// Turns a tool, see MotionKind::turn() and orientation_of().
+void turn(RigidTool& tool, const std::array<double, 4>& orientation);
+
 /// MotionKind::torque() of the tool's motion.
 [[nodiscard]] std::optional<Vec3> torque_of(const RigidTool& tool, const Eigen::VectorXd& q,
                                             const Eigen::VectorXd& h);

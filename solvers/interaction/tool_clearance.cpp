@@ -32,34 +32,38 @@ std::vector<BoxTree::Box> boxes_of(const std::vector<Vec3>& points) {
 
 ToolClearance::ToolClearance(const Body& body, const SettledBody& at_rest,
                              const RigidContact& contact)
-    : shape_(contact.shape_ptr()),
-      pose_(contact.pose_ptr()),
-      surface_(contact.surface_ptr()),
-      margin_(contact.law().reach() + 2 * shape_->error()),
-      body_(points_at_rest(body.mesh, at_rest), boundary_triangles(body.mesh)),
-      balls_(shape_->balls()),
-      is_large_(2 * shape_->bounding_radius() > body_.bounds().diagonal().norm()),
-      points_(contact.surface().places(points_at_rest(body.mesh, at_rest))),
-      tree_(boxes_of(points_)) {
+    : shape_(contact.shape_ptr()), pose_(contact.pose_ptr()) {
+  const std::vector<Vec3> at_points = points_at_rest(body.mesh, at_rest);
+  SurfaceTree surface(at_points, boundary_triangles(body.mesh));
+  const bool is_large = 2 * shape_->bounding_radius() > surface.bounds().diagonal().norm();
+  const std::vector<Vec3> places = contact.surface().places(at_points);
+  BoxTree tree(boxes_of(places));
   std::vector<Vec3> in_order;
-  in_order.reserve(points_.size());
-  for (const Index p : tree_.order()) in_order.push_back(points_[static_cast<std::size_t>(p)]);
-  points_ = std::move(in_order);
+  in_order.reserve(places.size());
+  for (const Index p : tree.order()) in_order.push_back(places[static_cast<std::size_t>(p)]);
+  of_ = std::make_shared<const Parts>(Parts{
+      contact.surface_ptr(), contact.law().reach() + 2 * shape_->error(), std::move(surface),
+      shape_->balls(), is_large, std::move(in_order), std::move(tree)});
   // A motion by other coordinates is refused here.
-  (void)stretch_at(body_.bounds().center());
+  (void)stretch_at(of_->body.bounds().center());
+}
+
+ToolClearance::ToolClearance(const ToolClearance& other, PoseMapPtr pose)
+    : shape_(other.shape_), pose_(std::move(pose)), of_(other.of_) {
+  (void)stretch_at(of_->body.bounds().center());
 }
 
 ToolClearance::Deepest ToolClearance::deepest_of_body(const Pose& pose) const {
   // The values of the shape at two places differ by no more than their distance, but for its error.
   const double error = 2 * shape_->error();
   Deepest deepest{std::numeric_limits<double>::infinity(), -1};
-  tree_.for_below(
+  of_->tree.for_below(
       deepest.gap,
       [&](const BoxTree::Box& box) {
         return gap(box.center(), pose) - 0.5 * box.diagonal().norm() - error;
       },
       [&](Index place) {
-        const double distance = gap(points_[static_cast<std::size_t>(place)], pose);
+        const double distance = gap(of_->points[static_cast<std::size_t>(place)], pose);
         if (distance < deepest.gap) deepest = {distance, place};
       });
   return deepest;
@@ -67,10 +71,10 @@ ToolClearance::Deepest ToolClearance::deepest_of_body(const Pose& pose) const {
 
 double ToolClearance::clearance(const Vec3& q) const {
   const Pose pose = pose_at(q);
-  const double of_layer = deepest_of_body(pose).gap - margin_;
+  const double of_layer = deepest_of_body(pose).gap - of_->margin;
   // A tool that touches nothing may still be within the body. It counts as within as long as its
   // centre is.
-  const double of_centre = body_.nearest(pose.place).distance;
+  const double of_centre = of_->body.nearest(pose.place).distance;
   const double clear = of_centre < 0 ? std::min(of_layer, of_centre) : of_layer;
   const PoseMap::Stretch stretch = stretch_at(q);
   return clear > 0 ? std::min(clear / stretch.most, stretch.within) : clear;
@@ -85,7 +89,7 @@ bool ToolClearance::is_inside(const Vec3& q) const {
   const Pose pose = pose_at(q);
   const std::vector<Vec3> places = shape_->inner_places();
   return std::any_of(places.begin(), places.end(), [&](const Vec3& place) {
-    return body_.nearest(pose.in_scene(place)).distance < 0;
+    return of_->body.nearest(pose.in_scene(place)).distance < 0;
   });
 }
 
@@ -94,40 +98,40 @@ ToolClearance::Approach ToolClearance::approach(const Vec3& q) const {
   deepest.depth = -std::numeric_limits<double>::infinity();
   Index hint = -1;
   const Pose pose = pose_at(q);
-  for (const RigidShape::Ball& ball : balls_) {
+  for (const RigidShape::Ball& ball : of_->balls) {
     const Vec3 centre = pose.in_scene(ball.centre);
-    const SurfaceTree::Nearest nearest = body_.nearest(centre, hint);
+    const SurfaceTree::Nearest nearest = of_->body.nearest(centre, hint);
     hint = nearest.triangle;
     const double depth = ball.radius - nearest.distance;
     if (!(depth > deepest.depth)) continue;
     deepest.depth = depth;
     deepest.touched = nearest.point;
-    deepest.around = body_.points_of(nearest.triangle);
+    deepest.around = of_->body.points_of(nearest.triangle);
     // Near the surface, rounding spoils the direction from its nearest point.
-    deepest.out = std::abs(nearest.distance) > 1e-3 * margin_
+    deepest.out = std::abs(nearest.distance) > 1e-3 * of_->margin
                       ? Vec3((centre - nearest.point) / nearest.distance)
                       : nearest.normal;
   }
-  if (is_large_) deepen(pose, deepest);
+  if (of_->is_large) deepen(pose, deepest);
   return deepest;
 }
 
 void ToolClearance::deepen(const Pose& pose, Approach& approach) const {
   const Deepest of_body = deepest_of_body(pose);
   if (of_body.place < 0 || !(-of_body.gap > approach.depth)) return;
-  const Vec3& place = points_[static_cast<std::size_t>(of_body.place)];
+  const Vec3& place = of_->points[static_cast<std::size_t>(of_body.place)];
   const Vec3 away = -gap_gradient(place, pose);
   // Beyond the layer, a shape may have no gradient.
   if (!(away.norm() > kUsableGradient)) return;
   approach.depth = -of_body.gap;
   approach.out = away.normalized();
   approach.touched = place;
-  approach.around = body_.points_of(body_.nearest(place).triangle);
+  approach.around = of_->body.points_of(of_->body.nearest(place).triangle);
 }
 
 bool ToolClearance::has_face_towards(const Vec3& direction) const {
-  for (Index f = 0; f < surface_->num_faces(); ++f) {
-    if (surface_->face(f).normal.dot(direction) > kTowards) return true;
+  for (Index f = 0; f < of_->surface->num_faces(); ++f) {
+    if (of_->surface->face(f).normal.dot(direction) > kTowards) return true;
   }
   return false;
 }
@@ -138,7 +142,7 @@ std::vector<Vec3> ToolClearance::directions_out(const Vec3& q) const {
     for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * Vec3::Unit(k));
   }
   // For a plate, add the two directions across it, whichever way it lies.
-  const Vec3 across = gap_gradient(body_.bounds().center(), pose_at(q));
+  const Vec3 across = gap_gradient(of_->body.bounds().center(), pose_at(q));
   if (across.norm() > kUsableGradient) {
     for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * across.normalized());
   }
@@ -146,14 +150,14 @@ std::vector<Vec3> ToolClearance::directions_out(const Vec3& q) const {
 }
 
 std::optional<double> ToolClearance::way_out(const Vec3& q, const Vec3& direction) const {
-  const double longest = body_.bounds().diagonal().norm() + 2 * shape_->bounding_radius();
-  for (double way = margin_; way < longest;) {
+  const double longest = of_->body.bounds().diagonal().norm() + 2 * shape_->bounding_radius();
+  for (double way = of_->margin; way < longest;) {
     const Vec3 there = q + way * direction;
     if (!allows(there)) return {};
     const double clear = clearance(there);
     if (clear > 0) return way;
     // The clearance grows by no more than the way.
-    way += is_large_ ? std::max(margin_, -clear) : margin_;
+    way += of_->is_large ? std::max(of_->margin, -clear) : of_->margin;
   }
   return {};
 }
@@ -168,13 +172,13 @@ Vec3 ToolClearance::pressed(const Vec3& point, const Vec3& normal, double depth)
       return ball.radius - (pose.rotation * ball.centre).dot(normal);
     };
     const auto deepest = std::max_element(
-        balls_.begin(), balls_.end(),
+        of_->balls.begin(), of_->balls.end(),
         [&](const RigidShape::Ball& a, const RigidShape::Ball& b) { return reach(a) < reach(b); });
     const Vec3 found = point + (deepest->radius - depth) * normal -
                        ((pose.place - q) + pose.rotation * deepest->centre);
     const double missing = (found - q).norm();
     q = found;
-    if (missing <= kFound * margin_) break;
+    if (missing <= kFound * of_->margin) break;
   }
   return q;
 }
@@ -190,7 +194,7 @@ Vec3 ToolClearance::start_for(const Vec3& q) const {
 std::optional<Vec3> ToolClearance::find_start(const Vec3& q) const {
   if (!q.allFinite() || !allows(q)) return {};
   if (clearance(q) > 0) return q;
-  if (!is_large_) {
+  if (!of_->is_large) {
     const Vec3 out = approach(q).out;
     const std::optional<double> way = way_out(q, out);
     return way ? std::optional<Vec3>(q + *way * out) : std::nullopt;
@@ -210,7 +214,7 @@ std::optional<Vec3> ToolClearance::find_start(const Vec3& q) const {
 }
 
 Eigen::AlignedBox3d ToolClearance::bounds() const {
-  const Eigen::AlignedBox3d body = body_.bounds();
+  const Eigen::AlignedBox3d body = of_->body.bounds();
   // From the coordinates to the corners of the tool, as it is turned around the body.
   Eigen::AlignedBox3d tool;
   const auto corner_of = [](const Eigen::AlignedBox3d& box, int corner) {
@@ -230,7 +234,7 @@ Eigen::AlignedBox3d ToolClearance::bounds() const {
   take(false);
   // Where the motion leads to a small part of the body.
   if (tool.isEmpty()) take(true);
-  const Vec3 margin = Vec3::Constant(margin_);
+  const Vec3 margin = Vec3::Constant(of_->margin);
   return {body.min() - tool.max() - margin, body.max() - tool.min() + margin};
 }
 

@@ -29,6 +29,10 @@ class ToolClearance {
   /// @throws InputError how far the points of the tool move is not known, see PoseMap::stretch().
   ToolClearance(const Body& body, const SettledBody& at_rest, const RigidContact& contact);
 
+  /// That of the same tool in another motion.
+  /// @throws InputError as above.
+  ToolClearance(const ToolClearance& other, PoseMapPtr pose);
+
   /// A distance, m, by which the tool at q may be moved in any direction without touching the body
   /// at rest: nothing is in its layer of contact then. Not positive: the tool may touch the body.
   [[nodiscard]] double clearance(const Vec3& q) const;
@@ -69,9 +73,9 @@ class ToolClearance {
   /// The box in which the tool touches the body at rest, m.
   [[nodiscard]] Eigen::AlignedBox3d bounds() const;
   /// The box around the body at rest, m.
-  [[nodiscard]] Eigen::AlignedBox3d body_bounds() const { return body_.bounds(); }
+  [[nodiscard]] Eigen::AlignedBox3d body_bounds() const { return of_->body.bounds(); }
   /// Whether the tool is larger than the body.
-  [[nodiscard]] bool is_large() const { return is_large_; }
+  [[nodiscard]] bool is_large() const { return of_->is_large; }
 
  private:
   [[nodiscard]] Pose pose_at(const Vec3& q) const { return pose_->at(pose_->coordinates(q)); }
@@ -82,7 +86,7 @@ class ToolClearance {
   struct Deepest {
     /// The signed distance to the tool, m.
     double gap = 0;
-    /// An index into points_; −1: none is within reach.
+    /// An index into Parts::points; −1: none is within reach.
     Index place = -1;
   };
   [[nodiscard]] Deepest deepest_of_body(const Pose& pose) const;
@@ -104,20 +108,25 @@ class ToolClearance {
     return pose.rotation * shape_->evaluate(pose.in_tool(place), 1).gradient;
   }
 
+  /// What does not depend on the motion.
+  struct Parts {
+    std::shared_ptr<const ContactSurface> surface;
+    /// The reach of the layer of contact plus twice the error of the shape, m. The values of the
+    /// shape at two places differ by no more than their distance plus twice that error.
+    double margin = 0;
+    SurfaceTree body;
+    /// The balls of the shape, in its own axes.
+    std::vector<RigidShape::Ball> balls;
+    /// Whether the tool is larger than the body.
+    bool is_large = false;
+    /// The points at which contact is integrated, in the order of the tree.
+    std::vector<Vec3> points;
+    BoxTree tree;
+  };
+
   RigidShapePtr shape_;
   PoseMapPtr pose_;
-  std::shared_ptr<const ContactSurface> surface_;
-  /// The reach of the layer of contact plus twice the error of the shape, m. The values of the
-  /// shape at two places differ by no more than their distance plus twice that error.
-  double margin_;
-  SurfaceTree body_;
-  /// The balls of the shape, in its own axes.
-  std::vector<RigidShape::Ball> balls_;
-  /// Whether the tool is larger than the body.
-  bool is_large_;
-  /// The points at which contact is integrated, in the order of the tree.
-  std::vector<Vec3> points_;
-  BoxTree tree_;
+  std::shared_ptr<const Parts> of_;
 };
 
 }  // namespace palpate

@@ -13,6 +13,8 @@ namespace palpate {
 namespace {
 
 constexpr double kOfUnitLength = 1e-9;
+/// A share of an angle that is rounding.
+constexpr double kRounding = 1e-9;
 /// Terms of the power series below: at an angle of π the last one is 1e-17.
 constexpr int kTerms = 17;
 
@@ -40,13 +42,12 @@ struct Series {
 /// exp[ω]× and its derivatives by coordinates θ of which ω is a linear function.
 class Exponential {
  public:
-  Exponential(const PoseColumns& axes, const Eigen::VectorXd& angles)
-      : axes_(axes),
-        angles_(angles),
+  Exponential(const Mat3& axes, const Vec3& angles)
+      : angles_(angles),
         w_(cross_matrix(axes * angles)),
         a_(angles.squaredNorm(), 1),
         b_(angles.squaredNorm(), 2) {
-    for (int i = 0; i < axes.cols(); ++i) by_[i] = cross_matrix(axes.col(i));
+    for (int i = 0; i < 3; ++i) by_[i] = cross_matrix(axes.col(i));
   }
 
   [[nodiscard]] Mat3 value() const { return Mat3::Identity() + a_.value * w_ + b_.value * w_ * w_; }
@@ -65,8 +66,7 @@ class Exponential {
  private:
   [[nodiscard]] Mat3 twice(int i) const { return by_[i] * w_ + w_ * by_[i]; }
 
-  PoseColumns axes_;
-  Eigen::VectorXd angles_;
+  Vec3 angles_;
   Mat3 w_;
   std::array<Mat3, 3> by_;
   Series a_, b_;
@@ -79,7 +79,7 @@ class TurnedPose final : public PoseMap {
 
   [[nodiscard]] int num_coordinates() const noexcept override { return 3 + turning_.num_angles(); }
   [[nodiscard]] Eigen::VectorXd coordinates(const Vec3& place) const override {
-    return turning_.coordinates(place);
+    return turning_.coordinates(place, turning_.angles);
   }
 
   [[nodiscard]] PoseJet evaluate(const Eigen::VectorXd& q, int order) const override {
@@ -87,7 +87,7 @@ class TurnedPose final : public PoseMap {
     assert(q.size() == d);
     PoseJet pose(d);
     pose.turns = true;
-    const Exponential turn(axes_, angles(q));
+    const Exponential turn(axes_, turning_.angles_at(q));
     const auto complete = [&](const Mat3& rotation, Mat3& full, Vec3& place) {
       full = rotation * from_;
       place -= full * turning_.point;
@@ -110,13 +110,15 @@ class TurnedPose final : public PoseMap {
     return pose;
   }
 
+  // The corners of a grid of turns may lie beyond the largest angle.
   [[nodiscard]] bool allows(const Eigen::VectorXd& q) const override {
-    return angles(q).norm() <= turning_.farthest;
+    const double most = std::max(turning_.farthest, turning_.angles.norm());
+    return turning_.angles_at(q).norm() <= most * (1 + kRounding);
   }
   void check(const Eigen::VectorXd& q) const override {
-    const double turned = angles(q).norm();
-    if (turned <= turning_.farthest) return;
-    throw InputError("The tool is turned by " + quantity(turned * 180 / M_PI, "degrees") +
+    if (allows(q)) return;
+    throw InputError("The tool is turned by " +
+                     quantity(turning_.angles_at(q).norm() * 180 / M_PI, "degrees") +
                      ", and MaximumTurn is " + quantity(turning_.farthest * 180 / M_PI, "degrees") +
                      ". Turn it less, or allow more.");
   }
@@ -135,60 +137,63 @@ class TurnedPose final : public PoseMap {
   }
 
  private:
-  [[nodiscard]] Eigen::VectorXd angles(const Eigen::VectorXd& q) const {
-    return q.tail(turning_.num_angles()) / turning_.lever;
-  }
-
   Turning turning_;
-  PoseColumns axes_;
+  Mat3 axes_;
   /// R₀.
   Mat3 from_;
 };
 
 }  // namespace
 
-PoseColumns Turning::axes() const {
-  PoseColumns columns = PoseColumns::Identity(3, num_angles());
-  if (num_angles() == 2) {
-    const Vec3 along = orientation * axis;
-    columns.col(0) = along.unitOrthogonal();
-    columns.col(1) = along.cross(columns.col(0));
-  }
+Mat3 Turning::axes() const {
+  if (num_angles() == 3) return Mat3::Identity();
+  const Vec3 along = orientation * axis;
+  Mat3 columns = Mat3::Zero();
+  columns.col(0) = along.unitOrthogonal();
+  columns.col(1) = along.cross(columns.col(0));
   return columns;
 }
 
-Eigen::VectorXd Turning::angles_of(const Eigen::Quaterniond& turned) const {
-  Eigen::Quaterniond turn = turned.normalized() * orientation.conjugate();
-  if (num_angles() == 2) {
-    const Vec3 along = orientation * axis;
-    turn = Eigen::Quaterniond::FromTwoVectors(along, turned.normalized() * axis);
-  }
-  const Eigen::AngleAxisd by(turn);
+Vec3 Turning::angles_of(const Eigen::Quaterniond& turned) const noexcept {
+  const Eigen::Quaterniond to = turned.normalized();
+  const Eigen::AngleAxisd by(
+      num_angles() == 3 ? to * orientation.conjugate()
+                        : Eigen::Quaterniond::FromTwoVectors(orientation * axis, to * axis));
   return axes().transpose() * (by.angle() * by.axis());
 }
 
-Eigen::VectorXd Turning::coordinates(const Vec3& place) const {
+Eigen::Quaterniond Turning::orientation_at(const Vec3& theta) const noexcept {
+  const Vec3 w = axes() * theta;
+  return Eigen::AngleAxisd(w.norm(), w.stableNormalized()) * orientation;
+}
+
+Eigen::VectorXd Turning::coordinates(const Vec3& place, const Vec3& theta) const {
   Eigen::VectorXd q(3 + num_angles());
-  q << place, lever * angles.head(num_angles());
+  q << place, lever * theta.head(num_angles());
   return q;
 }
 
-Vec3 Turning::torque(const Eigen::VectorXd& q, const Eigen::VectorXd& h) const {
-  const PoseColumns about = axes();
-  const Vec3 w = about * (q.tail(num_angles()) / lever);
+Vec3 Turning::angles_at(const Eigen::VectorXd& q) const {
+  Vec3 theta = Vec3::Zero();
+  theta.head(num_angles()) = q.tail(num_angles()) / lever;
+  return theta;
+}
+
+Vec3 Turning::torque(const Vec3& theta, const Vec3& by_angle) const noexcept {
+  const Mat3 about = axes();
+  const Vec3 w = about * theta;
   const double z = w.squaredNorm();
   const Mat3 cross = cross_matrix(w);
   const Mat3 jacobian =
       Mat3::Identity() + Series(z, 2).value * cross + Series(z, 3).value * cross * cross;
+  Mat3 power = (jacobian * about).transpose();
+  Vec3 of_angles = by_angle;
   // A tool that is round has no torque about its axis.
-  Mat3 power = Mat3::Zero();
-  Vec3 of_angles = Vec3::Zero();
-  power.topRows(num_angles()) = (jacobian * about).transpose();
-  of_angles.head(num_angles()) = lever * h.tail(num_angles());
   if (num_angles() == 2) {
-    power.row(2) = Eigen::AngleAxisd(w.norm(), w.stableNormalized()) * (orientation * axis);
+    power.row(2) = orientation_at(theta) * axis;
+    of_angles[2] = 0;
   }
-  return power.partialPivLu().solve(of_angles);
+  return power.inverse() * of_angles;
 }
 
 std::vector<double> Turning::numbers() const {
@@ -218,13 +223,35 @@ Turning Turning::from(const std::vector<double>& numbers) {
       (is_round && (std::abs(turning.axis.norm() - 1) > kOfUnitLength || turning.angles[2] != 0)) ||
       std::abs(turning.orientation.norm() - 1) > kOfUnitLength || !(turning.lever > 0) ||
       !(turning.farthest > 0 && turning.farthest < M_PI) ||
-      turning.angles.norm() > turning.farthest * (1 + kOfUnitLength)) {
+      turning.angles.norm() >= M_PI) {
     throw InputError("The motion of a tool that is turned has " + std::to_string(numbers.size()) +
                      " numbers, which are not those of one: " + std::to_string(kCount) +
                      " finite ones, with an axis and a quaternion of unit length, a positive lever "
                      "and angles below 180 degrees. The file was damaged.");
   }
   return turning;
+}
+
+TurnGrid grid_of_turns(const Turning& turning, double spacing) {
+  const int n = turning.num_angles();
+  const int reach = std::max(1, static_cast<int>(std::ceil(turning.farthest / spacing - kRounding)));
+  const double step = turning.farthest / reach;
+  TurnGrid grid{{}, step};
+  const auto take = [&](const std::array<int, 3>& at) {
+    // The nearest place of the cells around.
+    Vec3 nearest = Vec3::Zero();
+    for (int i = 0; i < n; ++i) nearest[i] = std::max(std::abs(at[i]) - 1, 0) * step;
+    if (nearest.norm() > turning.farthest * (1 - kRounding)) return;
+    grid.turns.push_back(turning);
+    for (int i = 0; i < n; ++i) grid.turns.back().angles[i] = at[i] * step;
+  };
+  const int last = n == 3 ? reach : 0;
+  for (int i = -reach; i <= reach; ++i) {
+    for (int j = -reach; j <= reach; ++j) {
+      for (int k = -last; k <= last; ++k) take({i, j, k});
+    }
+  }
+  return grid;
 }
 
 std::string description(const Turning& turning) {

@@ -33,20 +33,29 @@ struct Turning {
   double lever = 1;
   /// The largest |θ|, rad, below π.
   double farthest = M_PI / 2;
-  /// How far a tool is turned of which only the place is told: θ, rad, or its first two numbers.
+  /// How far a tool is turned of which only the place is told: θ, rad; the third is 0 of one that
+  /// is round.
   Vec3 angles = Vec3::Zero();
 
   /// The number of angles, 2 or 3.
   [[nodiscard]] int num_angles() const { return axis.isZero(0) ? 3 : 2; }
-  /// The directions in the scene about which the angles turn [3 × number of angles].
-  [[nodiscard]] PoseColumns axes() const;
+  /// The directions in the scene about which the angles turn, as columns; of a tool that is round
+  /// the third is 0.
+  [[nodiscard]] Mat3 axes() const;
   /// θ of an orientation of the tool. The roll of one that is round is left out.
-  [[nodiscard]] Eigen::VectorXd angles_of(const Eigen::Quaterniond& turned) const;
-  /// The coordinates at a place, as the tool is turned by `angles`.
-  [[nodiscard]] Eigen::VectorXd coordinates(const Vec3& place) const;
+  /// @note Realtime-safe.
+  [[nodiscard]] Vec3 angles_of(const Eigen::Quaterniond& turned) const noexcept;
+  /// R.
+  /// @note Realtime-safe.
+  [[nodiscard]] Eigen::Quaterniond orientation_at(const Vec3& theta) const noexcept;
+  /// The coordinates at a place, as the tool is turned by θ.
+  [[nodiscard]] Eigen::VectorXd coordinates(const Vec3& place, const Vec3& theta) const;
+  /// θ of coordinates.
+  [[nodiscard]] Vec3 angles_at(const Eigen::VectorXd& q) const;
   /// τ, N·m.
-  /// @param q,h The coordinates and ∂Π/∂q [5 or 6].
-  [[nodiscard]] Vec3 torque(const Eigen::VectorXd& q, const Eigen::VectorXd& h) const;
+  /// @param by_angle ∂Π/∂θ, N·m.
+  /// @note Realtime-safe.
+  [[nodiscard]] Vec3 torque(const Vec3& theta, const Vec3& by_angle) const noexcept;
 
   /// In the order of the members, the quaternion as w, x, y, z.
   [[nodiscard]] std::vector<double> numbers() const;
@@ -56,7 +65,17 @@ struct Turning {
   static constexpr std::size_t kCount = 15;
 };
 
-/// "turned about its axes, by at most 60 degrees".
+/// The tool at the orientations of a grid that holds each one it may have. The angles of one are
+/// multiples of the same step along each axis.
+struct TurnGrid {
+  std::vector<Turning> turns;
+  /// rad.
+  double step = 0;
+};
+/// @param spacing The step at most, rad.
+[[nodiscard]] TurnGrid grid_of_turns(const Turning& turning, double spacing);
+
+/// "turned across its axis, by at most 60 degrees".
 [[nodiscard]] std::string description(const Turning& turning);
 
 [[nodiscard]] PoseMapPtr turned_pose(const Turning& turning);

@@ -211,12 +211,13 @@ class StencilFinder {
   bool has_met_change_ = false;
 };
 
-void fill_known(const NodeData& node, double h, bool with_stiffness, double* d) {
+void fill_known(const NodeData& node, double h, int known, double* d) {
   d[hermite_index(0, 0, 0)] = node.energy;
+  if (known < 1) return;
   d[hermite_index(1, 0, 0)] = h * node.force[0];
   d[hermite_index(0, 1, 0)] = h * node.force[1];
   d[hermite_index(0, 0, 1)] = h * node.force[2];
-  if (!with_stiffness) return;
+  if (known < 2) return;
   const Mat3 k = 0.5 * h * h * (node.stiffness + node.stiffness.transpose());
   d[hermite_index(2, 0, 0)] = k(0, 0);
   d[hermite_index(0, 2, 0)] = k(1, 1);
@@ -338,11 +339,11 @@ std::vector<HermiteNode> hermite_data(const CheckPointGrid& grid,
     if (!grid.is_free(n) && (grid.usable(n) || options.extrapolated_nodes)) {
       const NodeData known = node_data(grid, configurations, n, options.third_derivatives);
       if (grid.usable(n) && first[n] != nullptr) data[n] = *first[n];
-      fill_known(known, grid.spacing(), options.stiffness, data[n].of);
+      fill_known(known, grid.spacing(), options.known, data[n].of);
       if (grid.usable(n)) {
         Incomplete& node = nodes.emplace_back();
         node.node = n;
-        node.known = known.has_third_derivative() ? 3 : options.stiffness ? 2 : 1;
+        node.known = known.has_third_derivative() ? 3 : options.known;
         finder.begin();
         for (int axis = 0; axis < 3; ++axis) node.stencils[axis] = finder.find(n, axis, false);
         node.is_anew = finder.has_met_change();

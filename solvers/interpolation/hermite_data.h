@@ -44,9 +44,10 @@ struct HermiteDataOptions {
   /// Whether a difference uses one node less than its row has if no more than `most` nodes stand in
   /// the row.
   bool fewer_in_short_rows = false;
-  /// Whether the stiffness is used. If not, derivatives with a + b + c = 2 are differences too, and
-  /// third derivatives must not be used either.
-  bool stiffness = true;
+  /// Derivatives with a + b + c up to this are taken from the nodes, the others are differences: 0:
+  /// the energy alone, 1: the force too, 2: the stiffness too. With less than 2, third derivatives
+  /// must not be used either.
+  int known = 2;
   /// Whether third derivatives are used where they are known.
   bool third_derivatives = true;
   /// Whether extrapolated nodes are used. If not, they are zero, and no node hangs on a leaf with

@@ -73,7 +73,7 @@ MeshErrorField::MeshErrorField(const CheckPointGrid& grid,
   corrects_ = corrects_ && any_reliable && is_rest_sound;
 
   HermiteDataOptions options;
-  options.stiffness = false;
+  options.known = 1;
   options.third_derivatives = false;
   if (before != nullptr) {
     const HermiteBefore data_before{*growth, before->nodes_, before->memory_};

@@ -123,6 +123,9 @@ struct ConfigurationSummary {
   /// T = ∂k/∂t; NaN where it was not computed.
   ThirdDerivative third_derivative =
       ThirdDerivative::Constant(std::numeric_limits<double>::quiet_NaN());
+  /// Of a tool that is turned, and touches something: the derivatives of Π by all its coordinates
+  /// (all_derivatives.h). Else empty.
+  std::vector<double> of_turns;
   Outcome outcome = Outcome::not_converged;
   Flags flags = 0;
   /// Largest nodal residual over the scene's force scale, without unit.
@@ -206,7 +209,8 @@ struct LevelTransition {
 };
 
 /// Calls visit for each number of a summary, in the order of the columns of the file. What
-/// transitions have reached is not among them, nor is the error of the mesh.
+/// transitions have reached is not among them, nor is the error of the mesh, nor what belongs to
+/// turns.
 template <class Summary, class Visit>
 void for_each_number_of_summary(Summary& c, Visit&& visit) {
   for (auto& x : c.check_point) visit(x);

@@ -135,6 +135,10 @@ struct ToolSpaceSetup {
   }
   /// Whether the tool presses the body anywhere, see ToolKind::presses().
   [[nodiscard]] bool presses() const { return interaction.presses(); }
+  /// Whether the space is one of those of a tool that is turned, at one of its orientations.
+  [[nodiscard]] bool turns() const {
+    return presses() && interaction.tool.motion == ToolMotion::turned;
+  }
   /// How far the space goes from where the tool touches nothing, m: the half-width of the space of
   /// a tool that holds the body at a point, the depth to which another one presses.
   [[nodiscard]] double depth() const {

@@ -38,12 +38,20 @@ std::vector<const TouchToolSpace*> TouchSpace::list_pressing() const {
   std::vector<const TouchToolSpace*> of_regions;
   std::vector<const TouchToolSpace*> found;
   for (const TouchToolSpace& space : tool_spaces) {
-    if (!space.setup.presses()) continue;
+    if (!space.setup.presses() || space.setup.turns()) continue;
     if (!space.setup.region) return {&space};
     of_regions.push_back(&space);
     if (!space.configurations.empty()) found.push_back(&space);
   }
   return found.empty() ? of_regions : found;
+}
+
+std::vector<const TouchToolSpace*> TouchSpace::list_turned() const {
+  std::vector<const TouchToolSpace*> turned;
+  for (const TouchToolSpace& space : tool_spaces) {
+    if (space.setup.turns()) turned.push_back(&space);
+  }
+  return turned;
 }
 
 std::vector<double> TouchSpace::areas_of_stages() const {

@@ -86,9 +86,13 @@ struct TouchSpace {
   [[nodiscard]] std::vector<const TouchToolSpace*> find_stages(ToolSpaceId id) const;
   /// The tool spaces whose tool presses the body anywhere: none, one, or one for each region of
   /// the organ of which something was found. A space may have others besides: the first one by its
-  /// key that is for the whole organ is taken alone.
+  /// key that is for the whole organ is taken alone. Those of a tool that is turned are not among
+  /// them.
   [[nodiscard]] std::vector<const TouchToolSpace*> list_pressing() const;
-  /// The first of these, for what they have in common, the tool among it; nullptr: there is none.
+  /// The tool spaces of a tool that is turned, one for each orientation of a grid (turned_force.h);
+  /// empty: there is no such tool.
+  [[nodiscard]] std::vector<const TouchToolSpace*> list_turned() const;
+  /// The first of those that press, for what they have in common, the tool among it; nullptr: there is none.
   [[nodiscard]] const TouchToolSpace* find_pressing() const;
   /// Whether a tool space stands on another body than the first.
   [[nodiscard]] bool has_other_bodies() const;

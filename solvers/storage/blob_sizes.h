@@ -91,6 +91,8 @@ inline constexpr std::int64_t kOfNumbers = 1 << 16;
 // Table configuration. A field that is whole has numbers of either precision; the derivatives v and
 // p_v have three times as many numbers as u and p.
 [[nodiscard]] inline Size<double> third_derivative() { return none_or<double>(10); }
+/// The column derivatives of table turn_derivative: of five or six coordinates.
+[[nodiscard]] inline Size<double> turn_derivatives() { return up_to<double>(83); }
 template <class Number>
 [[nodiscard]] Size<Number> displacement(std::int64_t num_points) {
   return none_or<Number>(3 * num_points);

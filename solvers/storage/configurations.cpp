@@ -49,6 +49,7 @@ void Configurations::add(const ToolSpaceKey& key, const Configuration& configura
                      ". Add it first.");
   }
   mesh_errors_.add(key, configuration);
+  turns_.add(key, configuration);
 }
 
 void Configurations::add(const ToolSpaceKey& key, const ConfigurationSummary& summary,
@@ -56,6 +57,7 @@ void Configurations::add(const ToolSpaceKey& key, const ConfigurationSummary& su
   connection_.before_change();
   insert(key, summary, rows::fields_of(reduced));
   mesh_errors_.add(key, summary);
+  turns_.add(key, summary);
 }
 
 void Configurations::insert(const ToolSpaceKey& key, const ConfigurationSummary& summary,
@@ -113,6 +115,7 @@ std::vector<Configuration> Configurations::read_where(const ToolSpaceKey& key,
       },
       [&](const Configuration& c) { return describe(c, space->setup.name()); });
   mesh_errors_.set(key, configurations);
+  turns_.set(key, configurations);
   return configurations;
 }
 

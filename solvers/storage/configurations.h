@@ -10,6 +10,7 @@
 
 #include "storage/bases.h"
 #include "storage/mesh_errors.h"
+#include "storage/turn_derivatives.h"
 #include "storage/tool_space_rows.h"
 
 namespace palpate::storage {
@@ -21,7 +22,8 @@ class Configurations : private ToolSpaceRows {
       : ToolSpaceRows(connection, tool_spaces, "configuration"),
         bodies_(bodies),
         bases_(bases),
-        mesh_errors_(connection, tool_spaces) {}
+        mesh_errors_(connection, tool_spaces),
+        turns_(connection, tool_spaces) {}
 
   /// Adds a configuration to a tool space, in place of one with the same check-point and level.
   /// @throws InputError there is no such tool space, or a field has a size that is not the body's;
@@ -98,6 +100,7 @@ class Configurations : private ToolSpaceRows {
   const Bodies& bodies_;
   const Bases& bases_;
   MeshErrors mesh_errors_;
+  TurnDerivatives turns_;
   /// This statement is prepared at its first use.
   std::optional<sqlite::Statement> insert_;
   mutable std::optional<sqlite::Statement> select_fields_;

@@ -217,6 +217,12 @@ std::int64_t checksum_of_mesh_error(const ToolSpaceKey& key, const Configuration
   return checksum_of(bits);
 }
 
+std::int64_t checksum_of_turns(const ToolSpaceKey& key, const ConfigurationSummary& summary) {
+  std::vector<std::int64_t> bits = bits_of(key);
+  for_each_number_of_turn_row(summary, Gather{bits});
+  return checksum_of(bits);
+}
+
 std::int64_t checksum(const ToolSpaceKey& key, const LevelTransition& transition) {
   std::vector<std::int64_t> bits = bits_of(key);
   for_each_number_of_transition(transition, Gather{bits});

@@ -79,6 +79,14 @@ void for_each_number_of_mesh_error_row(Summary& c, Visit&& visit) {
   for_each_number_of_mesh_error(c.mesh_error, visit);
 }
 
+/// Calls visit for each number of the row of the derivatives by turns of a configuration.
+template <class Summary, class Visit>
+void for_each_number_of_turn_row(Summary& c, Visit&& visit) {
+  for (auto& x : c.check_point) visit(x);
+  visit(c.level);
+  visit(c.of_turns);
+}
+
 /// A basis without its modes.
 struct BasisRow {
   std::int64_t number = 0;
@@ -148,6 +156,9 @@ struct Take {
   void operator()(std::vector<std::array<Index, 3>>& x) const {
     sound = blobs::copy(statement.take_blob(), blobs::tool_triangles(), x) && sound;
   }
+  void operator()(std::vector<double>& x) const {
+    sound = blobs::copy(statement.take_blob(), blobs::turn_derivatives(), x) && sound;
+  }
   void operator()(ThirdDerivative& x) const {
     x.setConstant(std::numeric_limits<double>::quiet_NaN());
     const sqlite::Statement::Blob blob = statement.take_blob();
@@ -201,6 +212,9 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 /// The checksum of the error of the mesh of a configuration.
 [[nodiscard]] std::int64_t checksum_of_mesh_error(const ToolSpaceKey& key,
                                                   const ConfigurationSummary& summary);
+/// The checksum of the derivatives by turns of a configuration.
+[[nodiscard]] std::int64_t checksum_of_turns(const ToolSpaceKey& key,
+                                             const ConfigurationSummary& summary);
 [[nodiscard]] std::int64_t checksum(const ToolSpaceKey& key, const LevelTransition& transition);
 [[nodiscard]] std::int64_t checksum(const ToolSpaceKey& key, IntermediateState state,
                                     Checked checked = Checked::all);

@@ -289,13 +289,18 @@ inline constexpr char kToolMotionSchema[] = R"sql(
 CREATE TABLE tool_motion (
   scene_id      INTEGER NOT NULL REFERENCES scene,
   tool_space_id INTEGER NOT NULL,
-  motion        INTEGER NOT NULL,     -- 1: through a trocar
+  motion        INTEGER NOT NULL,     -- 1: through a trocar, 2: turned
   numbers       BLOB NOT NULL,        -- float64 [14] of a trocar: its place, m; the tool's axis
                                       -- towards the handle, in its own axes; the tip from the
                                       -- tool's centre, m; the direction about which it is moved;
                                       -- the largest angle to that, rad; the largest distance of
-                                      -- the tip from the trocar, m, 0: any. The checksum of the
-                                      -- tool space takes all of this in
+                                      -- the tip from the trocar, m, 0: any. [15] of a tool that
+                                      -- is turned: the axis about which it is round, in its own
+                                      -- axes, 0: it is not; its reference point from its centre,
+                                      -- m; a quaternion w x y z of its middle orientation; the
+                                      -- lever that makes angles lengths, m; the largest angle,
+                                      -- rad; the angles of this tool space, rad. The checksum of
+                                      -- the tool space takes all of this in
   PRIMARY KEY (scene_id, tool_space_id)
 );
 )sql";
@@ -334,6 +339,24 @@ CREATE TABLE mesh_error (             -- of a configuration, where it was estima
 );
 )sql";
 
+// The table of what belongs to turns is made when the first configuration of a tool is stored that
+// is turned.
+inline constexpr char kTurnDerivativeSchema[] = R"sql(
+CREATE TABLE turn_derivative (        -- of a configuration of a tool that is turned
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  tool_space_id INTEGER NOT NULL,
+  i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,  -- check-point of the configuration
+  level       INTEGER NOT NULL,       -- its level
+  derivatives BLOB NOT NULL,          -- float64 [55 or 83], the first, second and third derivatives
+                                      -- of the energy by all 5 or 6 coordinates, J/m^n: each in
+                                      -- ascending order of the coordinates, the last one fastest
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of tool_space_id and of the columns from i to
+                                      -- derivatives, 8 bytes each; of these, their number and the
+                                      -- XXH3 of their bytes
+  PRIMARY KEY (scene_id, tool_space_id, i, j, k, level)
+);
+)sql";
+
 // The table of reduced models is made when the first array is stored: most files have none.
 inline constexpr char kReducedSchema[] = R"sql(
 CREATE TABLE reduced_array (          -- of a reduced model, or of what was found in its training
@@ -361,6 +384,6 @@ inline constexpr OptionalTable optional_tables[] = {
     {"boundary_array", kBoundarySchema}, {"contact_offset", kContactOffsetSchema},
     {"tool_motion", kToolMotionSchema},  {"mesh_region", kMeshRegionSchema},
     {"mesh_error", kMeshErrorSchema},    {"body_contact", kBodyContactSchema},
-    {"body_cut", kBodyCutSchema}};
+    {"body_cut", kBodyCutSchema},        {"turn_derivative", kTurnDerivativeSchema}};
 
 }  // namespace palpate::storage

@@ -54,7 +54,7 @@ class Rigid : public StoredKind {
                                  std::int64_t /*num_points*/) const override {
     const RigidTool& tool = setup.interaction.tool;
     const auto num_points = static_cast<std::int64_t>(tool.points.size());
-    return setup.id == kContactToolSpace && setup.grid.sparse && tool.shape >= ToolShape::sphere &&
+    return setup.id <= kContactToolSpace && setup.grid.sparse && tool.shape >= ToolShape::sphere &&
            tool.shape <= ToolShape::surface && rows::is_length(tool.radius) &&
            rows::is_length(tool.length) && tool.axis.allFinite() &&
            rows::is_length(tool.law.thickness) && rows::is_length(tool.law.stiffness) &&
@@ -98,7 +98,7 @@ const StoredKind& kind(bool is_rigid) {
 
 const StoredKind& kind_of(const ToolSpaceSetup& setup) { return kind(setup.presses()); }
 
-const StoredKind& kind_of(ToolSpaceId id) { return kind(id == kContactToolSpace); }
+const StoredKind& kind_of(ToolSpaceId id) { return kind(id <= kContactToolSpace); }
 
 std::string figures_of(const ToolSpaceSetup& setup) {
   const Grid& grid = setup.grid;

@@ -38,7 +38,7 @@ class FollowToolTest : public testing::Test {
     setup_.interaction = rigid_contact_spec(with_defaults(tool, block_.scene));
     InteractionFactory tools(block_.scene.body, {});
     clearance_ = tools.clearance(setup_.interaction);
-    setup_.grid = make_shell_grid(*clearance_, kSpacing);
+    setup_.grid = make_shell_grid(clearance_->bounds(), kSpacing);
     shell_.depth = 0.006;
     begin();
   }
@@ -126,7 +126,9 @@ TEST_F(FollowToolTest, EachIsMadeOnceAndInTheEndAllOfTheShellIs) {
   ASSERT_TRUE(simulation.run_to_end(resting(0.003), 1000));
   std::set<CheckPoint> asked;
   for (const StartGraph::Target& target :
-       shell_targets(*clearance_, setup_.grid, block_.scene.body.touchable, shell_)) {
+       shell_targets(*clearance_, setup_.grid, block_.scene.body.touchable, shell_,
+                     list_shell_cells(*clearance_, setup_.grid, block_.scene.body.touchable,
+                                      shell_))) {
     asked.insert(target.check_point);
   }
   std::set<CheckPoint> made;

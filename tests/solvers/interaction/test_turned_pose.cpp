@@ -70,11 +70,13 @@ TEST(TurnedPose, IsARotationAboutTheReferencePoint) {
       const Pose pose = map->at(q);
       EXPECT_LT((pose.in_scene(turning.point) - q.head<3>()).norm(), 1e-16);
       EXPECT_LT((pose.rotation.transpose() * pose.rotation - Mat3::Identity()).norm(), 1e-14);
-      const Eigen::VectorXd angles = q.tail(turning.num_angles()) / turning.lever;
+      const Vec3 angles = turning.angles_at(q);
+      EXPECT_LT((turning.coordinates(q.head<3>(), angles) - q).norm(), 1e-16);
       const Vec3 w = turning.axes() * angles;
       const Mat3 expected =
           Eigen::AngleAxisd(w.norm(), w.normalized()) * turning.orientation.toRotationMatrix();
       EXPECT_LT((pose.rotation - expected).norm(), 1e-14);
+      EXPECT_LT((turning.orientation_at(angles).toRotationMatrix() - expected).norm(), 1e-14);
       EXPECT_LT((turning.angles_of(Eigen::Quaterniond(expected)) - angles).norm(), 1e-14);
       if (is_round) {
         // Rolling it about its own axis changes nothing.
@@ -151,7 +153,7 @@ TEST(TurnedPose, ATurnTooFarAndBadNumbersAreRefused) {
   const MotionKind& kind = motion_kind(ToolMotion::turned);
   EXPECT_NO_THROW((void)kind.make(turning.numbers()));
   for (const auto& [number, value] :
-       {std::pair(0, 2.0), {6, 0.9}, {10, 0.0}, {11, 4.0}, {12, 0.6}, {14, 0.1}}) {
+       {std::pair(0, 2.0), {6, 0.9}, {10, 0.0}, {11, 4.0}, {12, 3.2}, {14, 0.1}}) {
     std::vector<double> numbers = turning.numbers();
     numbers[static_cast<std::size_t>(number)] = value;
     EXPECT_THROW((void)kind.make(numbers), InputError) << number;
@@ -257,6 +259,20 @@ TEST(TurnedPose, MomentsAreInBalance) {
     EXPECT_GT(expected.norm(), 0.01 * h.norm() * kRadius);
     EXPECT_LT((torque - expected).norm(), 1e-8 * h.norm() * kRadius)
         << torque.transpose() << " | " << expected.transpose();
+  }
+}
+
+// Without a factor, five and six coordinates are solved for in columns of three and of one.
+TEST(TurnedPose, IsTheSameWithoutAFactor) {
+  for (const bool is_round : {true, false}) {
+    Pressed pressed = pressed_aslant(standing(is_round));
+    const Equilibrium expected = pressed.at(pressed.place);
+    EquilibriumSolver solver(pressed.scene, {}, nullptr);
+    solver.set_interaction(pressed.contact());
+    const Equilibrium found = solver.solve(pressed.place, pressed.start);
+    ASSERT_EQ(found.outcome, Outcome::converged) << found.summary.message;
+    EXPECT_LT((found.reaction - expected.reaction).norm(), 1e-6 * expected.reaction.norm());
+    EXPECT_LT((found.stiffness - expected.stiffness).norm(), 1e-5 * expected.stiffness.norm());
   }
 }
 
