@@ -570,20 +570,25 @@ TouchSpace vtkPalpateSpaceFromCollection(
   {
     ReadIntermediateStates(states, space);
   }
-  for (TouchToolSpace& toolSpace : space.tool_spaces)
+  std::vector<palpate::SpaceBody> pressed;
+  for (const TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    if (toolSpace.setup.presses())
+    const palpate::BodyId number = toolSpace.setup.body;
+    if (!toolSpace.setup.presses() || (!pressed.empty() && pressed.back().number == number))
     {
-      const auto place = static_cast<std::size_t>(toolSpace.setup.body - palpate::kFirstBody);
-      if (place >= bodies.size())
-      {
-        throw InputError("The state space has no block " + BodyBlockName(toolSpace.setup.body) +
-          ". Use the output of Precompute State Space or State Space Reader.");
-      }
-      palpate::SettledBody atRest;
-      const palpate::Scene scene = vtkPalpateSceneOfSpace(bodies[place], atRest);
-      palpate::add_clearance(scene.body, atRest, toolSpace);
+      continue;
     }
+    const auto place = static_cast<std::size_t>(number - palpate::kFirstBody);
+    if (place >= bodies.size())
+    {
+      throw InputError("The state space has no block " + BodyBlockName(number) +
+        ". Use the output of Precompute State Space or State Space Reader.");
+    }
+    palpate::SpaceBody& body = pressed.emplace_back();
+    body.number = number;
+    body.scene = std::make_shared<const palpate::Scene>(
+      vtkPalpateSceneOfSpace(bodies[place], body.at_rest));
   }
+  palpate::add_clearances(pressed, space);
   return space;
 }

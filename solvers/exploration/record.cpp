@@ -155,6 +155,7 @@ TouchSpace assemble(const std::vector<SpaceBody>& bodies, std::vector<ToolSpaceS
                      std::move(states), basis == bases.end() ? nullptr : &basis->second,
                      of_configurations, space);
     }
+    add_clearances(bodies, space);
   });
   return space;
 }

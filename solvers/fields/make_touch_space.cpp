@@ -59,7 +59,6 @@ void add_tool_space(const SpaceBody& body, const ShownSurface& shown, const Tool
     added.configurations.push_back(configurations[s]);
     kept.push_back(has_modes ? fields[s] : nullptr);
   }
-  add_clearance(body.scene->body, body.at_rest, added);
   const Eigen::Index rank = has_modes ? basis->modes.cols() : 0;
   const auto total = static_cast<Eigen::Index>(kept.size());
   added.coefficients.setZero(rank, total);
@@ -148,6 +147,7 @@ TouchSpace make_touch_space(const StateSpace& space, double bound) {
         body, shown, tool_space.setup, summaries, tool_space.intermediate_states, bound,
         [&](std::size_t c) { return &tool_space.configurations[c]; }, made);
   }
+  add_clearances(space.bodies, made);
   return made;
 }
 

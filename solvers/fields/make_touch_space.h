@@ -13,14 +13,14 @@
 
 namespace palpate {
 
-/// Adds a tool space.
+/// Adds a tool space, without its clearance, see add_clearances().
 /// @param body The body on which it stands. @param shown The surface of all bodies of the space.
 /// @param configurations All configurations, in their order.
 /// @param basis The basis of the fields of an active node; ignored for a rigid tool. Null: the
 ///   space shows no displacement.
 /// @param fields The coefficients by the modes of the basis, for each configuration that is usable;
 ///   a configuration whose fields are null is left out. Empty where there is no basis.
-/// @throws InputError an active node that is no point of the body; as add_clearance().
+/// @throws InputError an active node that is no point of the body.
 void add_tool_space(const SpaceBody& body, const ShownSurface& shown, const ToolSpaceSetup& setup,
                     const std::vector<ConfigurationSummary>& configurations,
                     std::vector<IntermediateState> intermediate_states, const FieldBasis* basis,

@@ -59,6 +59,28 @@ class RoundedSegment final : public RigidShape {
         error_(find_error()) {}
 
   Jet evaluate(const Vec3& place, int order) const noexcept override;
+  // The search for the nearest place of a body asks for nothing else, and often.
+  double value(const Vec3& place) const noexcept override {
+    const double s = axis_.dot(place);
+    const double u = beyond(s).f;
+    const double q = (place - s * axis_).squaredNorm() + u * u;
+    const double core = kCore * radius_;
+    return (q > core * core ? std::sqrt(q) : soft_root(q, core).f) - radius_;
+  }
+
+  // The distance is a convex function: it lies above its tangents. The core only adds to it.
+  double least_in_box(const Vec3& centre, const Mat3& axes,
+                      const Vec3& half) const noexcept override {
+    const double s = axis_.dot(centre);
+    const Vec3 across = centre - s * axis_;
+    const Derivatives u = beyond(s);
+    const double q = across.squaredNorm() + u.f * u.f;
+    const double core = kCore * radius_;
+    if (q <= core * core) return -radius_;
+    const double distance = std::sqrt(q);
+    const Vec3 gradient = (across + u.f * u.df * axis_) / distance;
+    return distance - radius_ - (axes.transpose() * gradient).cwiseAbs().dot(half);
+  }
 
   Eigen::AlignedBox3d bounds() const noexcept override {
     const Vec3 corner = half_length_ * axis_.cwiseAbs() + Vec3::Constant(radius_);

@@ -52,7 +52,15 @@ class RigidShape {
   ///   zero.
   /// @returns Finite up to 1e50 m away; where the place is not finite, the value is not either.
   [[nodiscard]] virtual Jet evaluate(const Vec3& place, int order = 3) const noexcept = 0;
-  [[nodiscard]] double value(const Vec3& place) const noexcept { return evaluate(place, 0).value; }
+  [[nodiscard]] virtual double value(const Vec3& place) const noexcept {
+    return evaluate(place, 0).value;
+  }
+  /// A lower bound of value() in a box, up to twice error().
+  /// @param axes Its sides point along the columns. @param half Half of their lengths, m.
+  [[nodiscard]] virtual double least_in_box(const Vec3& centre, const Mat3& /*axes*/,
+                                            const Vec3& half) const noexcept {
+    return value(centre) - half.norm();
+  }
 
   /// The box around the tool's surface about its centre, m.
   [[nodiscard]] virtual Eigen::AlignedBox3d bounds() const noexcept = 0;

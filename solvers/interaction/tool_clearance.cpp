@@ -56,11 +56,12 @@ ToolClearance::ToolClearance(const ToolClearance& other, PoseMapPtr pose)
 ToolClearance::Deepest ToolClearance::deepest_of_body(const Pose& pose) const {
   // The values of the shape at two places differ by no more than their distance, but for its error.
   const double error = 2 * shape_->error();
+  const Mat3 axes = pose.rotation.transpose();
   Deepest deepest{std::numeric_limits<double>::infinity(), -1};
   of_->tree.for_below(
       deepest.gap,
       [&](const BoxTree::Box& box) {
-        return gap(box.center(), pose) - 0.5 * box.diagonal().norm() - error;
+        return shape_->least_in_box(pose.in_tool(box.center()), axes, 0.5 * box.sizes()) - error;
       },
       [&](Index place) {
         const double distance = gap(of_->points[static_cast<std::size_t>(place)], pose);

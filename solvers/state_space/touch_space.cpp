@@ -3,18 +3,13 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <memory>
 
 #include "interaction/tool_clearance.h"
 #include "state_space/shown_surface.h"
 
 namespace palpate {
-
-void add_clearance(const Body& body, const SettledBody& at_rest, TouchToolSpace& tool_space) {
-  const InteractionSpec& interaction = tool_space.setup.interaction;
-  if (!interaction.presses()) return;
-  add_clearance(InteractionFactory(body, at_rest).clearance(interaction), tool_space);
-}
 
 void add_clearance(std::shared_ptr<const ToolClearance> clearance, TouchToolSpace& tool_space) {
   for (ConfigurationSummary& found : tool_space.configurations) {
@@ -77,6 +72,22 @@ const TouchToolSpace* TouchSpace::find_pressing() const {
 bool TouchSpace::has_other_bodies() const {
   return std::any_of(tool_spaces.begin(), tool_spaces.end(),
                      [](const TouchToolSpace& space) { return space.setup.body != kFirstBody; });
+}
+
+void add_clearances(const std::vector<SpaceBody>& bodies, TouchSpace& space) {
+  // The tool spaces of a body follow each other, and its tools share what takes time to make.
+  std::optional<InteractionFactory> tools;
+  BodyId of = kFirstBody;
+  for (TouchToolSpace& tool_space : space.tool_spaces) {
+    const ToolSpaceSetup& setup = tool_space.setup;
+    if (!setup.presses()) continue;
+    if (!tools || of != setup.body) {
+      of = setup.body;
+      const SpaceBody& body = find_body(bodies, of);
+      tools.emplace(body.scene->body, body.at_rest);
+    }
+    add_clearance(tools->clearance(setup.interaction), tool_space);
+  }
 }
 
 TouchSpace make_empty_touch_space(const ShownSurface& shown) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "state_space/space_body.h"
 #include "state_space/space_hash.h"
 #include "state_space/state_space.h"
 #include "state_space/surface.h"
@@ -40,13 +41,9 @@ struct TouchToolSpace {
   Eigen::MatrixXf coefficient_gradients;
 };
 
-/// Gives the tool space of a rigid tool its clearance; a bonded tool has none. If a configuration
-/// has no force although the tool is in the body at rest, the tool has gone through the surface.
-/// Earlier versions took such a configuration for converged; here its outcome becomes
-/// Outcome::tool_inside.
-/// @throws InputError the tool is not valid, see make_contact() and ToolClearance.
-void add_clearance(const Body& body, const SettledBody& at_rest, TouchToolSpace& tool_space);
-/// Does the same with a clearance that was made before.
+/// Gives the tool space of a rigid tool its clearance. If a configuration has no force although the
+/// tool is in the body at rest, the tool has gone through the surface. Earlier versions took such a
+/// configuration for converged; here its outcome becomes Outcome::tool_inside.
 void add_clearance(std::shared_ptr<const ToolClearance> clearance, TouchToolSpace& tool_space);
 
 /// A stage of the cut of an organ, which is one of the bodies of a space.
@@ -97,6 +94,11 @@ struct TouchSpace {
   /// Whether a tool space stands on another body than the first.
   [[nodiscard]] bool has_other_bodies() const;
 };
+
+/// Gives the tool spaces of rigid tools their clearance; bonded tools have none.
+/// @param bodies Those on which they stand.
+/// @throws InputError the tool is not valid, see make_contact() and ToolClearance.
+void add_clearances(const std::vector<SpaceBody>& bodies, TouchSpace& space);
 
 /// The touch space of the bodies that carry a surface, without tool spaces yet.
 [[nodiscard]] TouchSpace make_empty_touch_space(const ShownSurface& shown);

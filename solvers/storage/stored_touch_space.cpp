@@ -85,6 +85,7 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
       space.sensitivity_error += basis->sensitivity_error;
     }
   }
+  add_clearances(bodies, space);
   space.left_out = file.left_out();
   space.left_out.insert(space.left_out.end(), without_fields.begin(), without_fields.end());
   space.file = file.path().string();
@@ -102,6 +103,7 @@ TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
                    summaries_of(file.read_summaries(key)), file.read_intermediate_states(key),
                    nullptr, {}, space);
   }
+  add_clearances(bodies, space);
   space.left_out = file.left_out();
   return space;
 }

@@ -87,6 +87,7 @@ def test_space():
     space.ToolRegion.Center, space.ToolRegion.Radius = [PLACE[0], PLACE[1], LENGTHS[2]], 0.004
     space.UpdatePipeline()
     read = StateSpaceReader(FileName="turned.palpate")
+    touches = [TouchStateSpace(Input=source) for source in (space, read)]
     error, of_torque, largest = [], [], 0
     random = numpy.random.default_rng(5)
     for _ in range(4):
@@ -95,8 +96,10 @@ def test_space():
         exact = fetch(turning(SolveEquilibrium(Input=body, ToolPosition=list(place),
                                                ToolOrientation=turn), 0))
         right = field(exact, "ReactionForce").ravel()
-        felt = [fetch(TouchStateSpace(Input=source, ToolPosition=list(place),
-                                      ToolOrientation=turn)) for source in (space, read)]
+        felt = []
+        for touch in touches:
+            touch.ToolPosition, touch.ToolOrientation = list(place), turn
+            felt.append(fetch(touch))
         for touch in felt:
             assert field(touch, "Found")[0] == 1, (place, turn)
             error.append(numpy.linalg.norm(field(touch, "Force").ravel() - right))
@@ -109,9 +112,9 @@ def test_space():
     assert max(error) < 0.05 * largest, (error, largest)
     assert max(of_torque) < 0.02 * largest * RADIUS, (of_torque, largest)
     # Beyond the largest turn the force is not known.
-    beyond = fetch(TouchStateSpace(Input=read, ToolPosition=list(PLACE),
-                                   ToolOrientation=quaternion(25, [1, 0, 0])))
-    assert field(beyond, "Found")[0] == 2
+    touches[1].ToolPosition = list(PLACE)
+    touches[1].ToolOrientation = quaternion(25, [1, 0, 0])
+    assert field(fetch(touches[1]), "Found")[0] == 2
     space.Exploration = "Around The Hand"
     space.FileName = "around.palpate"
     expect_error(space.UpdatePipeline, "turned freely")

@@ -36,6 +36,7 @@ inline void expect_equal(const TouchToolSpace& x, const TouchToolSpace& y) {
       EXPECT_TRUE(same_bits(c.mesh_error.force.data(), d.mesh_error.force.data(), 3));
       EXPECT_EQ(c.mesh_error.is_reliable, d.mesh_error.is_reliable);
     }
+    EXPECT_EQ(c.of_turns, d.of_turns);
     EXPECT_EQ(c.has_third_derivative(), d.has_third_derivative());
     if (c.has_third_derivative()) {
       EXPECT_TRUE(same_bits(c.third_derivative.data(), d.third_derivative.data(), 10));

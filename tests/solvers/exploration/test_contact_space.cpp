@@ -11,7 +11,9 @@
 #include "equilibrium/tangent_solver.h"
 #include "exploration/precompute.h"
 #include "exploration/state_solver.h"
+#include "interaction/turned_pose.h"
 #include "interpolation/interpolator.h"
+#include "interpolation/turned_force.h"
 #include "solvers/exploration/equal_spaces.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
@@ -124,6 +126,70 @@ TEST_F(ContactSpace, SeveralRanksGiveTheSpaceOfOneToTheBit) {
     ASSERT_EQ(parallel.space.tool_spaces.size(), 1U);
     expect_equal(parallel.space.tool_spaces[0], serial.space.tool_spaces[0]);
   }
+}
+
+// A rod that may be turned by 10 degrees has spaces at nine orientations. Between them force and
+// torque are those of equilibria.
+TEST_F(ContactSpace, OfARodThatIsTurnedHasEachOrientation) {
+  constexpr double kLength = 0.01;
+  block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {7, 4, 3}, 0.06});
+  RigidTool& rod = options_.contact->tool;
+  rod.shape = ToolShape::capsule;
+  rod.radius = 0.01;
+  rod.length = kLength;
+  Turning turning;
+  turning.axis = Vec3::UnitZ();
+  turning.lever = rod.radius;
+  turning.farthest = 10 * M_PI / 180;
+  rod.motion = ToolMotion::turned;
+  rod.motion_numbers = turning.numbers();
+  options_.contact->turn_spacing = turning.farthest;
+  options_.contact->spacing = 0.004;
+  options_.contact->shell.depth = 0.003;
+  options_.contact->shell.region = [](const Vec3& place) {
+    return (place - Vec3(0.036, 0.018, 0.03)).norm() < 0.004;
+  };
+  options_.equilibrium.third_derivatives = false;
+  options_.file = folder_ / "turned.palpate";
+  const PrecomputeResult result = run(*world_);
+  EXPECT_TRUE(result.report.complete);
+  EXPECT_EQ(result.report.num_not_reached, 0);
+  const PrecomputeResult again = run(*world_);
+  EXPECT_EQ(again.report.num_solved, 0);
+  if (world_->rank() == 0) {
+    expect_equal(again.space, result.space);
+    const std::vector<const TouchToolSpace*> spaces = result.space.list_turned();
+    ASSERT_EQ(spaces.size(), 9U);
+    EXPECT_TRUE(result.space.list_pressing().empty());
+    const TurnedForce force(spaces);
+    InteractionFactory tools(block_.scene.body, {});
+    EquilibriumSolver solver(block_.scene, {});
+    InteractionSpec spec = spaces.front()->setup.interaction;
+    double largest = 0, of_force = 0, of_torque = 0;
+    for (const Vec3& turned : {Vec3(0.05, 0.03, 0), Vec3(-0.08, 0.06, 0), Vec3(0.1, -0.1, 0)}) {
+      turning.angles = turned;
+      spec.tool.motion_numbers = turning.numbers();
+      const RigidContact& contact = tools.contact(spec.tool);
+      const auto clearance = tools.clearance(spec);
+      const Vec3 place = clearance->pressed({0.036, 0.0175, 0.03}, Vec3::UnitZ(), 0.0025);
+      solver.set_interaction(contact);
+      const Equilibrium exact = solver.solve(
+          contact.coordinates(place), solver.rest(contact.coordinates(clearance->start_for(place))));
+      ASSERT_EQ(exact.outcome, Outcome::converged);
+      const TurnedTouch felt = force.evaluate(place, turned);
+      EXPECT_EQ(felt.support, Support::inside);
+      const Vec3 right = exact.reaction.head<3>();
+      largest = std::max(largest, right.norm());
+      of_force = std::max(of_force, (felt.force - right).norm());
+      const Vec3 torque = *torque_of(spec.tool, exact.t, exact.reaction);
+      EXPECT_GT(torque.norm(), 0.1 * right.norm() * kLength * std::sin(turned.norm()));
+      of_torque = std::max(of_torque, (felt.torque - torque).norm());
+    }
+    EXPECT_LT(of_force, 0.03 * largest);
+    EXPECT_LT(of_torque, 0.01 * largest * kLength);
+  }
+  options_.contact->turn_spacing = 1;
+  EXPECT_NE(error().find("TurnSpacing"), std::string::npos);
 }
 
 // On the middle of the top, where one equilibrium belongs to each place: at edges there are

@@ -37,7 +37,7 @@ TEST(TouchSpace, AToolThatTouchesNothingInTheBodyHasGoneThroughItsSurface) {
     found.t = middle;
     found.force = -Vec3::UnitZ();
     space.configurations.push_back(found);
-    add_clearance(scene.body, {}, space);
+    add_clearance(InteractionFactory(scene.body, {}).clearance(space.setup.interaction), space);
     EXPECT_EQ(space.configurations[0].outcome, Outcome::tool_inside);
     EXPECT_EQ(space.configurations[1].outcome, Outcome::tool_inside);
     EXPECT_EQ(space.configurations[2].outcome, Outcome::converged);

@@ -70,6 +70,7 @@ class DamageTest : public testing::Test {
     Configuration c = example_configuration(scene_, tool_space_, check_point);
     c.third_derivative = test::example_third_derivative(c.t);
     c.mesh_error = {-1e-3 * c.energy, 0.1 * c.force, true};
+    c.of_turns = {c.energy, 1, 2};
     test::add_pressures(scene_, c);
     return c;
   }
@@ -134,6 +135,7 @@ class DamageTest : public testing::Test {
                     rows::checksum({kNode}, right, rows::checksum(rows::fields_of(right))));
           EXPECT_TRUE(!left_out.empty() || rows::checksum_of_mesh_error({kNode}, c) ==
                                                rows::checksum_of_mesh_error({kNode}, right));
+          EXPECT_TRUE(c.of_turns.empty() ? !left_out.empty() : c.of_turns == right.of_turns);
           EXPECT_TRUE(!c.mesh_error.is_known() || c.mesh_error.energy == right.mesh_error.energy);
           const bool starts = c.check_point == CheckPoint{0, 0, 0};
           EXPECT_TRUE(!starts || !left_out.empty() ||

@@ -59,6 +59,7 @@ void expect_same_summary(const ConfigurationSummary& a, const ConfigurationSumma
   if (a.has_third_derivative()) {
     EXPECT_TRUE(same_bits(a.third_derivative, b.third_derivative));
   }
+  EXPECT_EQ(a.of_turns, b.of_turns);
   EXPECT_EQ(a.mesh_error.is_known(), b.mesh_error.is_known());
   if (a.mesh_error.is_known()) {
     EXPECT_EQ(std::memcmp(&a.mesh_error.energy, &b.mesh_error.energy, sizeof(double)), 0);
@@ -228,6 +229,7 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   odd.third_derivative = example_third_derivative(odd.t);
   odd.third_derivative[3] = -0.0;
   odd.mesh_error = {-0.0, Vec3(1.0 / 7, -1e-320, 0), true};
+  odd.of_turns = {-0.0, 1.0 / 3, 1e-320};
   odd.u[4] = -0.0;
   odd.u[5] = 5e-324;
   add_pressures(scene_, odd);
