@@ -391,6 +391,11 @@ int vtkPalpateRefineMesh::RequestData(
       if (this->Tool && this->Divide == WhereNeeded)
       {
         touches.Rigid = this->Tool->Describe(surface);
+        if (touches.Rigid.motion == palpate::ToolMotion::turned)
+        {
+          throw palpate::InputError("The mesh is refined for a tool that presses in one "
+                                    "orientation. Choose the Motion Translated or Trocar.");
+        }
       }
       return scene;
     };

@@ -263,6 +263,11 @@ vtkPalpateSolveDynamics::Setup vtkPalpateSolveDynamics::MakeSetup(
   const palpate::RigidTool tool =
     palpate::with_defaults(this->Tool->Describe(surface), setup.Scene);
   const palpate::RigidContact contact = palpate::make_contact(setup.Scene.body, tool);
+  if (contact.num_coordinates() != 3)
+  {
+    throw InputError("The table of the tools has the place of a rigid tool, and none of its "
+                     "orientations. Choose the Motion Translated or Trocar.");
+  }
   const palpate::ToolClearance clearance(setup.Scene.body, {}, contact);
   const Eigen::VectorXd first = setup.Path.at(0);
   for (int rigid = bonded; rigid < tools; ++rigid)

@@ -55,8 +55,8 @@ constexpr double StepsOfContact = 3;
 /// A body that may tear is solved for at its stage and at the next one.
 constexpr double BodiesOfTear = 2;
 
-void AddResult(vtkUnstructuredGrid* output, const vtkPalpateToolRoute& route,
-  const palpate::Equilibrium& state)
+void AddResult(
+  vtkUnstructuredGrid* output, const vtkPalpateToolRoute& route, const palpate::Equilibrium& state)
 {
   output->GetPointData()->AddArray(vtkPalpateNodalArray(vtkPalpateArray::Displacement, state.u));
   output->GetPointData()->SetActiveVectors(vtkPalpateArray::Displacement);
@@ -322,9 +322,8 @@ void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene,
   {
     vtkPalpateAddField<vtkDoubleArray>(output, "ReactionTorque", 3, *torque);
   }
-  const double layerForce =
-    palpate::contact_layer_force(
-      patch.layer_depth, state.reaction.head<3>(), state.stiffness.topLeftCorner<3, 3>());
+  const double layerForce = palpate::contact_layer_force(
+    patch.layer_depth, state.reaction.head<3>(), state.stiffness.topLeftCorner<3, 3>());
   vtkPalpateAddNumber(output, "ContactLayerForce", layerForce);
   const double meshError =
     palpate::expected_mesh_error(scene.body.mesh.order, patch.longest_edge, patch.area);
@@ -504,9 +503,8 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
   os << " m\n"
      << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
      << this->ToolPosition[2] << " m\n"
-     << indent << "ToolOrientation: " << this->ToolOrientation[0] << ' '
-     << this->ToolOrientation[1] << ' ' << this->ToolOrientation[2] << ' '
-     << this->ToolOrientation[3] << '\n'
+     << indent << "ToolOrientation: " << this->ToolOrientation[0] << ' ' << this->ToolOrientation[1]
+     << ' ' << this->ToolOrientation[2] << ' ' << this->ToolOrientation[3] << '\n'
      << indent << "Increments: " << this->Increments << '\n'
      << indent << "EstimateCondition: " << this->EstimateCondition << '\n'
      << indent << "EstimateMeshError: " << this->EstimateMeshError << '\n'

@@ -16,6 +16,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPalpateStateSpaceArrays.h"
@@ -41,7 +42,7 @@ std::vector<double> Estimate(const palpate::TouchSpace& space)
     {
       const auto& [x, y, z] = toolSpace.configurations[i].check_point;
       rows.insert(rows.end(),
-        { static_cast<double>(toolSpace.setup.interaction.active_node), static_cast<double>(x),
+        { static_cast<double>(toolSpace.setup.number()), static_cast<double>(x),
           static_cast<double>(y), static_cast<double>(z), static_cast<double>(toolSpace.setup.body),
           errors[i] });
     }
@@ -130,8 +131,19 @@ int vtkPalpateEstimateError::RequestData(
         return;
       }
       std::vector<double> rows;
-      palpate::agree(
-        ranks, [&] { rows = Estimate(vtkPalpateSpaceFromCollection(input, controller)); });
+      palpate::agree(ranks,
+        [&]
+        {
+          const palpate::TouchSpace space = vtkPalpateSpaceFromCollection(input, controller);
+          rows = Estimate(space);
+          if (!space.list_turned().empty())
+          {
+            vtkPalpateWarn(this,
+              "The tool is turned: the estimate is that between its places, "
+              "at each orientation, and says nothing of those in between. "
+              "Compare Touch State Space with Solve Equilibrium there.");
+          }
+        });
       const std::map<Key, double> estimates = Share(std::move(rows), controller);
       output->CompositeShallowCopy(input);
       for (const auto& partition : vtkPalpateConfigurations(output))

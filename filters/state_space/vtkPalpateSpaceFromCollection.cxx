@@ -586,8 +586,8 @@ TouchSpace vtkPalpateSpaceFromCollection(
     }
     palpate::SpaceBody& body = pressed.emplace_back();
     body.number = number;
-    body.scene = std::make_shared<const palpate::Scene>(
-      vtkPalpateSceneOfSpace(bodies[place], body.at_rest));
+    body.scene =
+      std::make_shared<const palpate::Scene>(vtkPalpateSceneOfSpace(bodies[place], body.at_rest));
   }
   palpate::add_clearances(pressed, space);
   return space;

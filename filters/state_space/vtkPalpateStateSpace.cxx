@@ -2,8 +2,8 @@
 #include "vtkPalpateStateSpace.h"
 
 #include <algorithm>
-#include <limits>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <type_traits>
@@ -35,12 +35,6 @@
 
 namespace
 {
-/// The active node, or a number below 0 for each tool space of a rigid tool.
-vtkIdType NumberOf(const palpate::ToolSpaceSetup& setup)
-{
-  return setup.presses() ? setup.id : setup.interaction.active_node;
-}
-
 using namespace vtkPalpateStateSpaceArrays;
 using palpate::CheckPoint;
 using palpate::ConfigurationSummary;
@@ -314,7 +308,7 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   {
     for (Eigen::Index i = 0; i < toolSpace.coefficients.cols(); ++i, ++next)
     {
-      nodes->SetValue(next, NumberOf(toolSpace.setup));
+      nodes->SetValue(next, toolSpace.setup.number());
       const Eigen::Index own = toolSpace.modes.cols();
       for (Eigen::Index m = 0; m < own; ++m)
       {
@@ -480,7 +474,7 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
   for (vtkIdType i = 0; i < count; ++i)
   {
     const TouchToolSpace& toolSpace = space.tool_spaces[i];
-    nodes->SetValue(i, NumberOf(toolSpace.setup));
+    nodes->SetValue(i, toolSpace.setup.number());
     VisitSetup(toolSpace.setup,
       [&](const char* name, auto value)
       { fields->GetArray(name)->SetComponent(i, 0, static_cast<double>(value)); });

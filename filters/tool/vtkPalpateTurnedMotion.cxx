@@ -34,8 +34,8 @@ void vtkPalpateTurnedMotion::Describe(palpate::RigidTool& tool) const
   turning.point = instrument.Tip + this->ReferenceDistance * instrument.Axis;
   turning.orientation = palpate::orientation_of({ this->MiddleOrientation[0],
     this->MiddleOrientation[1], this->MiddleOrientation[2], this->MiddleOrientation[3] });
-  turning.lever = std::max(
-    palpate::reach(tool, instrument.Axis), palpate::reach(tool, -instrument.Axis));
+  turning.lever =
+    std::max(palpate::reach(tool, instrument.Axis), palpate::reach(tool, -instrument.Axis));
   turning.farthest = this->MaximumTurn * M_PI / 180;
   tool.motion = palpate::ToolMotion::turned;
   tool.motion_numbers = turning.numbers();

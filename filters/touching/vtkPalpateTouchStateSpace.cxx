@@ -719,8 +719,8 @@ void vtkPalpateTouchStateSpace::AddContact(const std::vector<Part>& parts, const
   {
     const palpate::RigidContact& contact =
       part.Whole->Tools.contact(part.Space->setup.interaction.tool);
-    const palpate::RigidContact::Patch patch = contact.patch(
-      contact.coordinates(palpate::Vec3(t)), part.Whole->FromMesh(part.Displacement));
+    const palpate::RigidContact::Patch patch =
+      contact.patch(contact.coordinates(palpate::Vec3(t)), part.Whole->FromMesh(part.Displacement));
     pressures += static_cast<float>(part.Weight) *
       part.Whole->OnShownSurface(Eigen::Map<const Eigen::VectorXd>(patch.pressure.data(),
                                    static_cast<Eigen::Index>(patch.pressure.size())),
@@ -782,8 +782,7 @@ void vtkPalpateTouchStateSpace::AddWholeBody(
       points->SetPoint(point, place.data());
     }
     body->SetPoints(points);
-    body->GetPointData()->AddArray(
-      vtkPalpateNodalArray(vtkPalpateArray::Displacement, fromRest));
+    body->GetPointData()->AddArray(vtkPalpateNodalArray(vtkPalpateArray::Displacement, fromRest));
     body->GetPointData()->SetActiveVectors(vtkPalpateArray::Displacement);
   }
   if (this->Stress)
@@ -929,8 +928,8 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   {
     for (const Part& part : parts)
     {
-      u += static_cast<float>(part.Weight) *
-        part.Whole->OnShownSurface(part.Displacement, 3, surface);
+      u +=
+        static_cast<float>(part.Weight) * part.Whole->OnShownSurface(part.Displacement, 3, surface);
     }
   }
   vtkPalpateShowDisplaced(surface, this->Cache->Triangles, u, output);
@@ -1017,9 +1016,8 @@ void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << this->Displacement[2] << '\n'
      << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
      << this->ToolPosition[2] << '\n'
-     << indent << "ToolOrientation: " << this->ToolOrientation[0] << ' '
-     << this->ToolOrientation[1] << ' ' << this->ToolOrientation[2] << ' '
-     << this->ToolOrientation[3] << '\n'
+     << indent << "ToolOrientation: " << this->ToolOrientation[0] << ' ' << this->ToolOrientation[1]
+     << ' ' << this->ToolOrientation[2] << ' ' << this->ToolOrientation[3] << '\n'
      << indent << "FromStart: " << this->FromStart << '\n'
      << indent << "StartToolPosition: " << this->StartToolPosition[0] << ' '
      << this->StartToolPosition[1] << ' ' << this->StartToolPosition[2] << '\n'

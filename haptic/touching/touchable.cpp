@@ -27,6 +27,12 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
         "The state space has no active node and no rigid tool: there is nothing to touch. "
         "Precompute it for one.");
   }
+  if (!space.list_turned().empty()) {
+    throw InputError(
+        "The state space is that of a tool that is turned freely, which no device feels yet. Touch "
+        "it with Touch State Space (ToolOrientation), or precompute a space with the Motion Trocar "
+        "or Translated.");
+  }
   if (space.stages.empty()) {
     sheet_ = std::make_shared<const CutSheet>();
   } else {

@@ -33,6 +33,12 @@ std::vector<ToolSpaceSetup> share_setups(
     if (space.tool_spaces.empty()) {
       throw InputError("The state space has no active node. Compute it again.");
     }
+    if (!space.list_turned().empty()) {
+      throw InputError(
+          "The state space is that of a tool that is turned freely, at whose orientations no "
+          "report "
+          "is made. Compare Touch State Space with Solve Equilibrium.");
+    }
     std::vector<std::string> hashes;
     for (const auto& scene : scenes) hashes.push_back(hash(*scene));
     if (space.scene_hash != join_hashes(hashes)) {

@@ -185,8 +185,8 @@ std::vector<PlannedSpace> plan_turned_shells(const SpaceBody& of, const Precompu
     // One orientation is explored after the other.
     ShellOptions shell = contact.shell;
     shell.turn = static_cast<int>(k);
-    std::vector<StartGraph::Target> targets = shell_targets(
-        *tools.clearance(setup.interaction), setup.grid, touchable, shell, around);
+    std::vector<StartGraph::Target> targets =
+        shell_targets(*tools.clearance(setup.interaction), setup.grid, touchable, shell, around);
     if (targets.empty()) continue;
     spaces.push_back({setup, std::make_shared<const StartGraph>(setup.key(), std::move(targets))});
   }

@@ -96,6 +96,11 @@ void check(const Scene& scene, const PrecomputeOptions& options, const RegionOpt
     throw InputError("The size of a region (RegionSize) is " + quantity(regions.size, "m") +
                      ". Give a length, or 0 for 2.5 half-widths of the tool.");
   }
+  if (has_rigid_tool(options) && options.contact->tool.motion == ToolMotion::turned) {
+    throw InputError(
+        "The meshes of regions are made for a tool that presses in one orientation. Choose the "
+        "Motion Translated or Trocar, or set MeshTolerance to 0.");
+  }
   if (has_rigid_tool(options) && !(options.contact->shell.depth > 0)) {
     throw InputError(
         "The depth of the tool (Depth) is 0, as deep as the force limit allows. The meshes are "

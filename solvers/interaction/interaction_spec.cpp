@@ -50,10 +50,9 @@ InteractionFactory::Rigid& InteractionFactory::rigid(const RigidTool& tool) {
     const RigidContact& other = rigid_->contact;
     const PoseMapPtr pose = pose_of(tool);
     const auto clearance = rigid_->clearance;
-    rigid_.emplace(
-        Rigid{tool, RigidContact(other.surface_ptr(), other.shape_ptr(), other.law(), pose),
-              clearance == nullptr ? nullptr
-                                   : std::make_shared<const ToolClearance>(*clearance, pose)});
+    rigid_.emplace(Rigid{
+        tool, RigidContact(other.surface_ptr(), other.shape_ptr(), other.law(), pose),
+        clearance == nullptr ? nullptr : std::make_shared<const ToolClearance>(*clearance, pose)});
   } else {
     rigid_.emplace(Rigid{tool, make_contact(body_, tool), nullptr});
   }

@@ -41,9 +41,9 @@ ToolClearance::ToolClearance(const Body& body, const SettledBody& at_rest,
   std::vector<Vec3> in_order;
   in_order.reserve(places.size());
   for (const Index p : tree.order()) in_order.push_back(places[static_cast<std::size_t>(p)]);
-  of_ = std::make_shared<const Parts>(Parts{
-      contact.surface_ptr(), contact.law().reach() + 2 * shape_->error(), std::move(surface),
-      shape_->balls(), is_large, std::move(in_order), std::move(tree)});
+  of_ = std::make_shared<const Parts>(
+      Parts{contact.surface_ptr(), contact.law().reach() + 2 * shape_->error(), std::move(surface),
+            shape_->balls(), is_large, std::move(in_order), std::move(tree)});
   // A motion by other coordinates is refused here.
   (void)stretch_at(of_->body.bounds().center());
 }

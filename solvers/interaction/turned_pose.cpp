@@ -222,8 +222,7 @@ Turning Turning::from(const std::vector<double>& numbers) {
   if (numbers.size() != kCount || !are_finite ||
       (is_round && (std::abs(turning.axis.norm() - 1) > kOfUnitLength || turning.angles[2] != 0)) ||
       std::abs(turning.orientation.norm() - 1) > kOfUnitLength || !(turning.lever > 0) ||
-      !(turning.farthest > 0 && turning.farthest < M_PI) ||
-      turning.angles.norm() >= M_PI) {
+      !(turning.farthest > 0 && turning.farthest < M_PI) || turning.angles.norm() >= M_PI) {
     throw InputError("The motion of a tool that is turned has " + std::to_string(numbers.size()) +
                      " numbers, which are not those of one: " + std::to_string(kCount) +
                      " finite ones, with an axis and a quaternion of unit length, a positive lever "
@@ -234,7 +233,8 @@ Turning Turning::from(const std::vector<double>& numbers) {
 
 TurnGrid grid_of_turns(const Turning& turning, double spacing) {
   const int n = turning.num_angles();
-  const int reach = std::max(1, static_cast<int>(std::ceil(turning.farthest / spacing - kRounding)));
+  const int reach =
+      std::max(1, static_cast<int>(std::ceil(turning.farthest / spacing - kRounding)));
   const double step = turning.farthest / reach;
   TurnGrid grid{{}, step};
   const auto take = [&](const std::array<int, 3>& at) {

@@ -133,6 +133,9 @@ struct ToolSpaceSetup {
   [[nodiscard]] std::string name() const {
     return interaction.name() + (body == kFirstBody ? "" : " of body " + std::to_string(body));
   }
+  /// The number by which it is named within its body: the active node, or below 0 one of a rigid
+  /// tool's.
+  [[nodiscard]] ToolSpaceId number() const { return presses() ? id : interaction.active_node; }
   /// Whether the tool presses the body anywhere, see ToolKind::presses().
   [[nodiscard]] bool presses() const { return interaction.presses(); }
   /// Whether the space is one of those of a tool that is turned, at one of its orientations.

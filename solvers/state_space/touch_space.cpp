@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <memory>
+#include <optional>
 
 #include "interaction/tool_clearance.h"
 #include "state_space/shown_surface.h"

@@ -89,7 +89,8 @@ struct TouchSpace {
   /// The tool spaces of a tool that is turned, one for each orientation of a grid (turned_force.h);
   /// empty: there is no such tool.
   [[nodiscard]] std::vector<const TouchToolSpace*> list_turned() const;
-  /// The first of those that press, for what they have in common, the tool among it; nullptr: there is none.
+  /// The first of those that press, for what they have in common, the tool among it; nullptr: there
+  /// is none.
   [[nodiscard]] const TouchToolSpace* find_pressing() const;
   /// Whether a tool space stands on another body than the first.
   [[nodiscard]] bool has_other_bodies() const;

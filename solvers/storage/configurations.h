@@ -10,8 +10,8 @@
 
 #include "storage/bases.h"
 #include "storage/mesh_errors.h"
-#include "storage/turn_derivatives.h"
 #include "storage/tool_space_rows.h"
+#include "storage/turn_derivatives.h"
 
 namespace palpate::storage {
 

@@ -96,8 +96,8 @@ std::vector<std::string> list_lost_rows(const sqlite::Database& database) {
   std::vector<std::string> names;
   for (const auto& [table, owner, key] : all_rows()) {
     // Not every file has these tables.
-    const bool may_lack = table == "basis" || table == "mesh_error" ||
-                          table == "turn_derivative" || owner == Owner::model;
+    const bool may_lack = table == "basis" || table == "mesh_error" || table == "turn_derivative" ||
+                          owner == Owner::model;
     if (may_lack && !has_table(database, table)) continue;
     const std::string of_table = "rows of the table " + table;
     const auto count = [&](const std::string& from) {

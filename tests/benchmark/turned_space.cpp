@@ -117,8 +117,8 @@ std::vector<Test> make_tests(const Arguments& arguments, const Scene& scene, con
     const std::optional<Vec3> start = clearance->find_start(place);
     if (!start) continue;
     solver.set_interaction(contact);
-    const Equilibrium found = solver.solve(contact.coordinates(place),
-                                           solver.rest(contact.coordinates(*start)));
+    const Equilibrium found =
+        solver.solve(contact.coordinates(place), solver.rest(contact.coordinates(*start)));
     Eigen::Map<Eigen::VectorXd> of(numbers.data() + kNumbers * i, kNumbers);
     const Vec3 torque = *torque_of(spec.tool, found.t, found.reaction);
     of << place, turning.angles, Vec3(found.reaction.head<3>()), torque,
@@ -144,9 +144,10 @@ void print_accuracy(const TurnedForce& force, std::vector<Test>& tests) {
     largest = std::max(largest, test.force.norm());
     test.felt = force.evaluate(test.place, test.angles);
   }
-  std::printf("\nLargest force of a test %.4f N\n\n| error | tests | rms, %% | median | 95 %% | "
-              "99 %% | largest |\n|---|---|---|---|---|---|---|\n",
-              largest);
+  std::printf(
+      "\nLargest force of a test %.4f N\n\n| error | tests | rms, %% | median | 95 %% | "
+      "99 %% | largest |\n|---|---|---|---|---|---|---|\n",
+      largest);
   const auto errors = [&](bool of_torque, auto&& condition) {
     std::vector<double> found;
     for (const Test& test : tests) {
@@ -257,12 +258,13 @@ void measure(const Arguments& arguments, Communicator& world) {
     for (const ConfigurationSummary& c : space.configurations) pressing += !c.of_turns.empty();
   }
   const PrecomputeReport& report = result.report;
-  std::printf("| orientations | configurations that press | not reached | s | ms each |\n"
-              "|---|---|---|---|---|\n| %zu | %zu | %lld | %.0f | %.0f |\n",
-              result.space.tool_spaces.size(), pressing,
-              static_cast<long long>(report.num_not_reached), report.exploration_seconds,
-              1e3 * report.exploration_seconds * report.num_ranks /
-                  static_cast<double>(std::max<std::size_t>(pressing, 1)));
+  std::printf(
+      "| orientations | configurations that press | not reached | s | ms each |\n"
+      "|---|---|---|---|---|\n| %zu | %zu | %lld | %.0f | %.0f |\n",
+      result.space.tool_spaces.size(), pressing, static_cast<long long>(report.num_not_reached),
+      report.exploration_seconds,
+      1e3 * report.exploration_seconds * report.num_ranks /
+          static_cast<double>(std::max<std::size_t>(pressing, 1)));
   const TurnedForce force(result.space.list_turned());
   print_accuracy(force, tests);
   print_loops(force, tests, static_cast<int>(arguments["loops"]));
@@ -278,12 +280,20 @@ int main(int argc, char** argv) {
   try {
     MPI_Comm world = MPI_COMM_WORLD;
     const auto communicator = palpate::make_mpi_communicator(&world);
-    palpate::measure(
-        palpate::Arguments(argc, argv,
-                           {{"radius", 10}, {"length", 30}, {"reference", 15}, {"lies", 1},
-                            {"node", 0}, {"region", 30}, {"depth", 6}, {"spacing", 4},
-                            {"turn", 30}, {"step", 15}, {"tests", 500}, {"loops", 1000}}),
-        *communicator);
+    palpate::measure(palpate::Arguments(argc, argv,
+                                        {{"radius", 10},
+                                         {"length", 30},
+                                         {"reference", 15},
+                                         {"lies", 1},
+                                         {"node", 0},
+                                         {"region", 30},
+                                         {"depth", 6},
+                                         {"spacing", 4},
+                                         {"turn", 30},
+                                         {"step", 15},
+                                         {"tests", 500},
+                                         {"loops", 1000}}),
+                     *communicator);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     status = EXIT_FAILURE;

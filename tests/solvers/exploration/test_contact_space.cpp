@@ -173,8 +173,9 @@ TEST_F(ContactSpace, OfARodThatIsTurnedHasEachOrientation) {
       const auto clearance = tools.clearance(spec);
       const Vec3 place = clearance->pressed({0.036, 0.0175, 0.03}, Vec3::UnitZ(), 0.0025);
       solver.set_interaction(contact);
-      const Equilibrium exact = solver.solve(
-          contact.coordinates(place), solver.rest(contact.coordinates(clearance->start_for(place))));
+      const Equilibrium exact =
+          solver.solve(contact.coordinates(place),
+                       solver.rest(contact.coordinates(clearance->start_for(place))));
       ASSERT_EQ(exact.outcome, Outcome::converged);
       const TurnedTouch felt = force.evaluate(place, turned);
       EXPECT_EQ(felt.support, Support::inside);

@@ -125,10 +125,9 @@ TEST_F(FollowToolTest, EachIsMadeOnceAndInTheEndAllOfTheShellIs) {
   FollowingSimulation simulation = simulate(3);
   ASSERT_TRUE(simulation.run_to_end(resting(0.003), 1000));
   std::set<CheckPoint> asked;
-  for (const StartGraph::Target& target :
-       shell_targets(*clearance_, setup_.grid, block_.scene.body.touchable, shell_,
-                     list_shell_cells(*clearance_, setup_.grid, block_.scene.body.touchable,
-                                      shell_))) {
+  for (const StartGraph::Target& target : shell_targets(
+           *clearance_, setup_.grid, block_.scene.body.touchable, shell_,
+           list_shell_cells(*clearance_, setup_.grid, block_.scene.body.touchable, shell_))) {
     asked.insert(target.check_point);
   }
   std::set<CheckPoint> made;

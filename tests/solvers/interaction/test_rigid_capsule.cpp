@@ -194,6 +194,30 @@ TEST_P(RigidCapsules, AreFiniteEverywhere) {
   EXPECT_FALSE(std::isfinite(shape->value(Vec3(0, std::nan(""), 0))));
 }
 
+TEST_P(RigidCapsules, NothingInABoxIsBelowItsBound) {
+  const Capsule capsule = GetParam();
+  const RigidShapePtr shape = make_capsule(capsule);
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto anywhere = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+  const double size = capsule.radius + capsule.length;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int n = 0; n < 500; ++n) {
+    const Vec3 centre = 1.5 * size * anywhere();
+    const Vec3 half = 0.3 * size * anywhere().cwiseAbs();
+    const Mat3 axes =
+        Eigen::AngleAxisd(3 * unit(random), anywhere().normalized()).toRotationMatrix();
+    const double bound = shape->least_in_box(centre, axes, half) - 2 * shape->error();
+    for (int i = 0; i < 50; ++i) {
+      const double there = shape->value(centre + axes * half.cwiseProduct(anywhere()));
+      EXPECT_GE(there, bound - 1e-12 * size);
+      nearest = std::min(nearest, there - bound);
+    }
+  }
+  // It is no looser than it has to be.
+  EXPECT_LT(nearest, 0.02 * size);
+}
+
 TEST_P(RigidCapsules, BoundsHoldTheSurface) {
   const Capsule capsule = GetParam();
   const RigidShapePtr shape = make_capsule(capsule);

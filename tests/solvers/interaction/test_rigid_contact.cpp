@@ -148,8 +148,7 @@ TEST_P(AnyShape, ForcesAndTangentAreDerivativesOfThePotential) {
 
 TEST_P(AnyShape, ForcesTorquesAndTangentOfATurnedToolAreDerivativesOfThePotential) {
   const Block block = make_block(Law::neo_hookean);
-  const RigidContact contact =
-      contact_with(block.scene, shape_of(GetParam()), turned_pose({}));
+  const RigidContact contact = contact_with(block.scene, shape_of(GetParam()), turned_pose({}));
   ASSERT_EQ(contact.num_coordinates(), 6);
   Eigen::VectorXd q(6);
   q << above(-0.004), 0.3, -0.5, 0.8;

@@ -252,9 +252,8 @@ TEST_P(AnyTool, NothingJumpsAndNothingIsAllocated) {
   EXPECT_LT(jump, 0.01 * largest);
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, AnyTool, testing::Bool(), [](const auto& tool) {
-  return tool.param ? "Round" : "NotRound";
-});
+INSTANTIATE_TEST_SUITE_P(Each, AnyTool, testing::Bool(),
+                         [](const auto& tool) { return tool.param ? "Round" : "NotRound"; });
 
 TEST(TurnedForce, IsExtrapolatedBeyondTheLargestAngle) {
   const Turning tool = turning(true);
@@ -277,8 +276,7 @@ TEST(TurnedForce, WhatLacksItsTurnsIsExtrapolatedAndNoGridIsRefused) {
   for (ConfigurationSummary& c : spaces[4].configurations) {
     if (c.check_point == CheckPoint{0, 0, 0}) c.of_turns.clear();
   }
-  EXPECT_EQ(force_of(spaces).evaluate(Vec3::Zero(), Vec3::Zero()).support,
-            Support::extrapolated);
+  EXPECT_EQ(force_of(spaces).evaluate(Vec3::Zero(), Vec3::Zero()).support, Support::extrapolated);
   EXPECT_THROW((void)force_of({}), InputError);
   spaces.push_back(spaces.front());
   EXPECT_NE(message_of([&] { (void)force_of(spaces); }).find("grid of orientations"),
