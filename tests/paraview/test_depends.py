@@ -203,8 +203,9 @@ def check_file(make, changes, file):
     return refused
 
 
-# They mean nothing without a MeshTolerance, or without a cut.
-NEED_MORE = {"RegionSize": 0.06, "MaximumCells": 100000, "CutStages": "This Stage"}
+# They mean nothing without a MeshTolerance, without a cut, or without a tool that is turned.
+NEED_MORE = {"RegionSize": 0.06, "MaximumCells": 100000, "CutStages": "This Stage",
+             "TurnSpacing": 20}
 # It changes what is rounded, if anything: on Debian 13 nothing.
 ROUNDING = {"SinglePrecisionFactors"}
 # Other values of the properties of a space.

@@ -100,7 +100,8 @@ def test_every_property(body):
             "Increments": 2, "EstimateCondition": 1, "EstimateMeshError": 1,
             "GroupUnknowns": 100, "LinearSolver": "Automatic", "Stress": 1, "Tool": "Capsule",
             "ToolRadius": 0.02, "ToolAxis": [0.0, 1.0, 0.0], "ToolLength": 0.05,
-            "ToolPosition": [0.1, 0.2, 0.3], "ToolSurface": sphere, "ContactThickness": 0.003,
+            "ToolPosition": [0.1, 0.2, 0.3], "ToolOrientation": [0.8, 0.6, 0.0, 0.0],
+            "ToolSurface": sphere, "ContactThickness": 0.003,
             "ContactStiffness": 5e3, "BodyForce": [0.0, 1.0, -9.0], "FractureToughness": 100.0,
             "StartFromDisplacement": 1},
     }

@@ -117,6 +117,15 @@ def test_space_is_bounded():
         expect_error(space.UpdatePipeline, "nothing to press")
 
 
+def test_another_trocar():
+    """A space in memory is computed anew."""
+    space = space_of(held("anew"))
+    touch = TouchStateSpace(Input=space, ToolPosition=list(TIP))
+    before = field(fetch(touch), "Torque").ravel()
+    space.Tool.Motion.TrocarPoint = [0.02, 0.05, 0.16]
+    assert numpy.linalg.norm(field(fetch(touch), "Torque").ravel() - before) > 1e-4
+
+
 def test_file_of_another_trocar():
     body = held("other")
     space_of(body, FileName="moved.palpate").UpdatePipeline()
