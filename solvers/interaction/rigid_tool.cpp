@@ -87,7 +87,13 @@ double reach(const RigidTool& tool, const Vec3& direction) {
 }
 
 PoseMapPtr pose_of(const RigidTool& tool) {
-  return motion_kind(tool.motion).make(tool.motion_numbers);
+  PoseMapPtr pose = motion_kind(tool.motion).make(tool.motion_numbers);
+  if (pose->coordinates(Vec3::Zero()).size() != pose->num_coordinates()) {
+    throw InputError("The motion of the tool has " + std::to_string(pose->num_coordinates()) +
+                     " coordinates, and does not say which they are at a place "
+                     "(PoseMap::coordinates()). Choose another motion.");
+  }
+  return pose;
 }
 
 double reach_at(const RigidTool& tool, const Pose& pose, const Vec3& q, const Vec3& direction) {

@@ -255,8 +255,12 @@ TurnGrid grid_of_turns(const Turning& turning, double spacing) {
 }
 
 std::string description(const Turning& turning) {
+  std::string here;
+  for (int i = 0; i < turning.num_angles(); ++i) {
+    here += (i == 0 ? ", here by " : " and ") + quantity(turning.angles[i] * 180 / M_PI, "degrees");
+  }
   return std::string(turning.num_angles() == 2 ? "turned across its axis" : "turned") +
-         ", by at most " + quantity(turning.farthest * 180 / M_PI, "degrees");
+         ", by at most " + quantity(turning.farthest * 180 / M_PI, "degrees") + here;
 }
 
 PoseMapPtr turned_pose(const Turning& turning) {

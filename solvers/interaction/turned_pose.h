@@ -75,7 +75,7 @@ struct TurnGrid {
 /// @param spacing The step at most, rad.
 [[nodiscard]] TurnGrid grid_of_turns(const Turning& turning, double spacing);
 
-/// "turned across its axis, by at most 60 degrees".
+/// "turned across its axis, by at most 60 degrees, here by 15 degrees and -15 degrees".
 [[nodiscard]] std::string description(const Turning& turning);
 
 [[nodiscard]] PoseMapPtr turned_pose(const Turning& turning);

@@ -267,7 +267,7 @@ unsigned changes(const HermiteNode& a, const HermiteNode& b) {
 void fill_missing(const std::vector<Incomplete>& nodes,
                   const std::vector<const HermiteNode*>& before, std::vector<unsigned>& changed,
                   std::vector<HermiteNode>& data) {
-  for (int total = 2; total <= kMostTotal; ++total) {
+  for (int total = 1; total <= kMostTotal; ++total) {
     const unsigned lower_bit = 1U << (total - 1);
     for (const Incomplete& to_fill : nodes) {
       if (total <= to_fill.known) continue;

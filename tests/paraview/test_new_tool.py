@@ -62,7 +62,7 @@ def test_lists(boundary):
         assert proxy.Tool.RingRadius == 0.02
         assert proxy.Tool.Motion.GetXMLName() == "Translated"
         motions = proxy.Tool.GetProperty("Motion").Available
-        assert sorted(motions) == ["Tilted", "Translated", "Trocar"], motions
+        assert sorted(motions) == ["Tilted", "Translated", "Trocar", "Turned"], motions
 
 
 def test_forces(boundary):

@@ -115,6 +115,9 @@ def test_space():
     touches[1].ToolPosition = list(PLACE)
     touches[1].ToolOrientation = quaternion(25, [1, 0, 0])
     assert field(fetch(touches[1]), "Found")[0] == 2
+    # Its file is not for other orientations.
+    space.TurnSpacing = 8
+    expect_error(space.UpdatePipeline, "here by")
     space.Exploration = "Around The Hand"
     space.FileName = "around.palpate"
     expect_error(space.UpdatePipeline, "turned freely")

@@ -19,6 +19,7 @@ namespace {
 
 constexpr auto kTilted = static_cast<ToolMotion>(100);
 constexpr auto kTurning = static_cast<ToolMotion>(101);
+constexpr auto kUntold = static_cast<ToolMotion>(102);
 
 /// The tool is turned about z by an angle that stays, and moved as it is.
 class TiltedPose final : public PoseMap {
@@ -128,6 +129,31 @@ TEST(MotionKind, OneThatTurnsHasNoWayToABody) {
   EXPECT_EQ(tools.make(spec)->num_coordinates(), 3);
   EXPECT_NE(message_of([&] { (void)tools.clearance(spec); }).find("turns as it moves"),
             std::string::npos);
+}
+
+/// It has four coordinates, and does not say what the fourth one is at a place.
+class UntoldPose final : public PoseMap {
+ public:
+  [[nodiscard]] int num_coordinates() const noexcept override { return 4; }
+  [[nodiscard]] PoseJet evaluate(const Eigen::VectorXd& /*q*/, int /*order*/) const override {
+    return PoseJet(4);
+  }
+};
+
+class UntoldKind final : public MotionKind {
+ public:
+  UntoldKind() = default;
+  [[nodiscard]] ToolMotion number() const override { return kUntold; }
+  [[nodiscard]] PoseMapPtr make(const std::vector<double>& /*numbers*/) const override {
+    return std::make_shared<const UntoldPose>();
+  }
+};
+
+TEST(MotionKind, OneWithMoreCoordinatesSaysWhichTheyAreAtAPlace) {
+  add_motion_kind(std::make_unique<UntoldKind>());
+  RigidTool tool = make_rod(Vec3::UnitX());
+  tool.motion = kUntold;
+  EXPECT_NE(message_of([&] { (void)pose_of(tool); }).find("4 coordinates"), std::string::npos);
 }
 
 TEST(MotionKind, NumbersThatAreNoneAreRefused) {

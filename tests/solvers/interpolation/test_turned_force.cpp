@@ -18,7 +18,7 @@
 namespace palpate::test::test_turned_force {
 namespace {
 
-constexpr double kHalfWidth = 0.01;
+constexpr double kHalfWidth = 0.004;
 constexpr double kFarthest = 0.5;
 
 /// Π(q) = Σ A sin(w · q + c), which changes with the turn more than with the place.
@@ -186,10 +186,10 @@ TEST_P(AnyTool, ConvergesAsTheStepFalls) {
   };
   const auto [coarse_force, coarse_torque] = at(kFarthest / 2);
   const auto [fine_force, fine_torque] = at(kFarthest / 4);
-  EXPECT_LT(coarse_force, 2e-3);
-  EXPECT_LT(coarse_torque, 2e-3);
-  EXPECT_GT(std::log2(coarse_force / fine_force), 3.2);
-  EXPECT_GT(std::log2(coarse_torque / fine_torque), 2.4);
+  EXPECT_LT(coarse_force, 2e-4);
+  EXPECT_LT(coarse_torque, 1e-3);
+  EXPECT_GT(std::log2(coarse_force / fine_force), 3.6);
+  EXPECT_GT(std::log2(coarse_torque / fine_torque), 2.7);
 }
 
 TEST_P(AnyTool, ForceAndTorqueAreThoseOfOneEnergy) {
