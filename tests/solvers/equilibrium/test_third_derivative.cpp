@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "equilibrium/equilibrium.h"
+#include "equilibrium/third_derivative.h"
 #include "interaction/bonded_patch.h"
 #include "solvers/support/block.h"
 #include "solvers/support/finite_difference.h"
@@ -143,11 +144,30 @@ TEST(ThirdDerivativeOfASqueezedBody, IsFiniteWhereTheLawIsAndAbsentWhereTheSolve
   EXPECT_EQ(failed.third_derivative.size(), 0);
 }
 
-TEST(ThirdDerivativeOfSeveralTools, IsNotComputed) {
+TEST(ThirdDerivativeOfSeveralTools, IsThatOfTheStiffness) {
   const Block block = make_block(Law::neo_hookean, {ElementOrder::linear});
   EquilibriumSolver solver(block.scene, with_third_derivatives());
   solver.set_interaction(bond_nodes({block.corner, block.middle}));
-  EXPECT_EQ(solver.rest().third_derivative.size(), 0);
+  constexpr Eigen::Index kCoordinates = 6;
+  Eigen::VectorXd t(kCoordinates);
+  t << 0.01, -0.004, 0.006, 0.003, 0.005, -0.002;
+  const Equilibrium here = solver.solve(t, solver.rest());
+  ASSERT_EQ(here.outcome, Outcome::converged);
+  ASSERT_EQ(here.third_derivative.size(), num_third_derivatives(kCoordinates));
+  const double largest = here.third_derivative.cwiseAbs().maxCoeff();
+  Eigen::Index next = 0;
+  for (Eigen::Index a = 0; a < kCoordinates; ++a) {
+    const Eigen::MatrixXd along = derivative(
+        [&](double s) -> Eigen::MatrixXd {
+          return solver.solve(t + s * Eigen::VectorXd::Unit(kCoordinates, a), here).stiffness;
+        },
+        1e-5);
+    for (Eigen::Index b = a; b < kCoordinates; ++b) {
+      for (Eigen::Index c = b; c < kCoordinates; ++c) {
+        EXPECT_NEAR(here.third_derivative[next++], along(b, c), 1e-4 * largest);
+      }
+    }
+  }
 }
 
 }  // namespace
